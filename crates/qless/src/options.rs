@@ -34,8 +34,8 @@ impl Tolerance {
         }
     }
 
-    /// The tolerance if it is not the default. It then says which differences are rounding (up to the tolerance) and which are meant
-    /// (larger ones), so that neither is in doubt.
+    /// The tolerance if it is not the default. It then decides which differences are rounding (up to the tolerance) and which are meant
+    /// (larger ones), so no difference is in doubt.
     pub(crate) fn stated(self) -> Option<f64> {
         matches!(self, Self::Relative(value) if value != Self::DEFAULT).then(|| self.value())
     }

@@ -165,7 +165,7 @@ impl ChangingSystem {
         self.blocks.iter().flatten()
     }
 
-    /// Rank of the free part of C: the number of slaves.
+    /// Rank of C in the columns of the free DOFs, which is also the number of slaves.
     pub fn rank(&self) -> usize {
         self.rank
     }

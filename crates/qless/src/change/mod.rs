@@ -37,7 +37,7 @@ pub enum ChangeError {
     DofOutOfRange {
         /// The DOF.
         dof: usize,
-        /// How many there are.
+        /// How many DOFs there are.
         dofs: usize,
     },
     /// An equation that was removed.
@@ -49,9 +49,9 @@ pub enum ChangeError {
     /// More DOFs or equations than 32-bit indices can count, or than fit into memory.
     #[error("{found} {what} are too many: indices have 32 bits, and the memory is limited")]
     TooMany {
-        /// "DOFs" or "equations".
+        /// What there are too many of: "DOFs" or "equations".
         what: &'static str,
-        /// How many.
+        /// How many DOFs or equations there are.
         found: usize,
     },
     /// A number that is not finite.

@@ -21,10 +21,10 @@ pub(super) struct Network {
     identity: Identity,
     equations: Vec<Option<NetworkEquation>>,
     count: usize,
-    /// Equations by DOF.
+    /// For each DOF, the equations that contain it.
     on_dof: Vec<Vec<u32>>,
     prescribed: Vec<Option<f64>>,
-    /// Equations that changed, or whose DOFs were prescribed or released.
+    /// Equations that were added or changed since the last update, or whose DOFs were prescribed or released.
     touched: BTreeSet<u32>,
     /// Blocks that contained an equation before it was removed or its terms changed.
     stale: BTreeSet<u32>,
@@ -62,7 +62,7 @@ impl Network {
         })
     }
 
-    /// The number of an equation of this set.
+    /// The number of an equation; an error if the equation was removed or belongs to another set.
     pub fn number(&self, id: EquationId) -> Result<u32, ChangeError> {
         self.own(id)?;
         if self.get(id.number).is_some() { Ok(id.number) } else { Err(ChangeError::Gone(id.number)) }
@@ -242,7 +242,8 @@ impl Network {
         Region { equations, blocks: blocks.into_iter().collect() }
     }
 
-    /// Splits equations into parts, connected by free DOFs. Parts and their equations ascend.
+    /// Splits equations into parts that are connected by free DOFs. The equations of a part ascend, and so do the first equations of the
+    /// parts.
     pub fn parts(&self, equations: &[EquationId]) -> Vec<Vec<EquationId>> {
         let mut remaining: std::collections::HashSet<u32> = equations.iter().map(|id| id.number).collect();
         let mut parts = Vec::new();

@@ -49,7 +49,8 @@ impl std::fmt::Debug for Refresher {
 pub struct Refreshed {
     /// Kind of each equation; length m. The independent equations are always the same.
     pub kinds: Vec<Kind>,
-    /// For each of [`Analysis::dependent`]: `b_k - sum c_i b_i` in the units of the equation, with prescribed DOFs moved into b.
+    /// For each of [`Analysis::dependent`]: `b_k - sum c_i b_i` in the units of the equation, where b is the right-hand side minus the
+    /// terms of prescribed DOFs.
     pub mismatches: Vec<f64>,
     /// Free DOFs that the equations fix, and their values; ascending.
     pub generated: Vec<(usize, f64)>,
@@ -108,7 +109,7 @@ impl Refresher {
         Ok(Self { analysis, pivots, solvers, exponents })
     }
 
-    /// The analysis.
+    /// The analysis that was given to [`Refresher::new`].
     pub fn analysis(&self) -> &Arc<Analysis> {
         &self.analysis
     }
@@ -135,7 +136,7 @@ impl Refresher {
         let local = self.analysis.numbering.view(self.system(), rhs);
         let rule = MismatchRule::new(local, &self.analysis.scaling, &self.analysis.options);
         let found: Vec<Dependent> = dependent.iter().map(|d| self.classify(d, &replay, &rule)).collect();
-        // As in the analysis: if an equation was dropped in favour of preferred equations and conflicts with them, it must not change g.
+        // As in the analysis, an equation that was dropped in favour of preferred equations must not change g if it conflicts with them.
         let given = dependent.iter().map(|d| matches!(d.source, Source::Given(_)));
         let overruled = found.iter().zip(given).filter(|(d, given)| *given && d.kind == Kind::Conflicting);
         let excess: Vec<_> = overruled.map(|(d, _)| (d.row, d.mismatch)).collect();
@@ -160,7 +161,7 @@ impl Refresher {
         self.analysis.numbering.view(self.system(), self.system().rhs())
     }
 
-    /// A dependent equation with its new mismatch, without its certificate.
+    /// Classifies a dependent equation by its new mismatch; the result has no certificate.
     fn classify(&self, d: &Dependent, replay: &Replay, rule: &MismatchRule) -> Dependent {
         let rest = match &d.source {
             Source::Traced(row, because, units) => {
@@ -175,8 +176,8 @@ impl Refresher {
         Dependent::new(d.row, rest, d.dropped, Source::Given(Vec::new()), rule)
     }
 
-    /// `b_k - sum_i y_i b_i` of row k with its certificate y over rows of a block, and a bound of the error. `units` bounds the errors of
-    /// y.
+    /// `b_k - sum_i y_i b_i` and a bound of its error, for row k with its certificate y over rows of a block. The error of each `y_i` is at
+    /// most `units` times the number of terms, in units in the last place of the largest `y_i`, all in the units of the block.
     fn traced(&self, k: u32, because: &[(u32, f64)], units: f64, replay: &Replay) -> Mismatch {
         let shift = |i: u32| self.exponents[k as usize] - self.exponents[i as usize];
         let largest = because.iter().fold(0.0, |most: f64, &(i, y)| most.max(ldexp(y.abs(), shift(i))));
@@ -189,7 +190,7 @@ impl Refresher {
         rest
     }
 
-    /// The constant of each peeled or eliminated row.
+    /// For each peeled or eliminated row, the value of its slave if all other DOFs of the row are zero.
     fn constants(&self, replay: &Replay) -> Vec<f64> {
         let (basis, scaling) = (&self.analysis.basis, &self.analysis.scaling);
         let peeled = basis.peeled.iter().zip(&self.pivots).map(|(&row, pivot)| replay.rhs[row as usize] / pivot);
@@ -201,7 +202,7 @@ impl Refresher {
         constants
     }
 
-    /// u in local numbers; masters are zero, prescribed DOFs are zero or have the given values.
+    /// Computes u in local numbers. Masters are zero; prescribed DOFs are zero or have the given values.
     fn complete(&self, replay: &Replay, prescribed: Option<&[f64]>) -> Vec<f64> {
         let (basis, local) = (&self.analysis.basis, self.local());
         let mut u = vec![0.0; local.dofs()];
@@ -219,7 +220,7 @@ impl Refresher {
         u
     }
 
-    /// Writes `g = u_s - T u_q`, with a step of refinement if residuals are large; restores the old g if they stay too large.
+    /// Writes `g = u_s - T u_q`, with a step of refinement if residuals are large; restores the old g if the residuals stay too large.
     fn write(&self, replay: &Replay, reduction: &mut Reduction) -> Result<(), RefreshError> {
         let new = self.explicit(replay, reduction);
         let old = std::mem::replace(&mut reduction.g, new);
@@ -256,7 +257,7 @@ impl Refresher {
         (0..rhs.len()).map(|i| if independent[i] { left(i) } else { 0.0 }).collect()
     }
 
-    /// `u_s - T u_q`, 0 for slaves of factored blocks.
+    /// `u_s - T u_q` for each slave; 0 for slaves of factored blocks.
     fn explicit(&self, replay: &Replay, reduction: &Reduction) -> Vec<f64> {
         let mut u = vec![0.0; self.system().dofs()];
         let local = self.complete(replay, None);

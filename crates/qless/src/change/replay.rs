@@ -17,7 +17,7 @@ use crate::reduction::block::may_be_slaves;
 pub struct RowRhs {
     /// The right-hand side b.
     pub rhs: f64,
-    /// `b - C_p u_p`.
+    /// `b - C_p u_p`: b minus the terms of the prescribed DOFs.
     pub effective: Mismatch,
 }
 
@@ -25,7 +25,7 @@ impl RowRhs {
     fn subtract(&mut self, factor: f64, other: Self) {
         self.rhs -= factor * other.rhs;
         self.effective.subtract(factor, other.effective);
-        // Adds the error of the product that comes from the rounding of the factor.
+        // Adds the error of the product that is due to the rounding of `factor`.
         self.effective.error += f64::EPSILON * (factor * other.effective.value).abs();
     }
 }
@@ -34,7 +34,7 @@ impl RowRhs {
 pub struct Replay<'a> {
     analysis: &'a Analysis,
     local: LocalSystem<'a>,
-    /// The user's b.
+    /// The user's right-hand sides b.
     pub rhs: &'a [f64],
     /// Values of prescribed DOFs, in local numbers.
     values: Vec<f64>,
@@ -43,7 +43,7 @@ pub struct Replay<'a> {
 }
 
 impl<'a> Replay<'a> {
-    /// If `prescribed` is empty, u_p is zero.
+    /// Repeats the elimination for the right-hand sides `rhs` and these prescribed values. If `prescribed` is empty, u_p is zero.
     pub fn new(analysis: &'a Analysis, rhs: &'a [f64], prescribed: &[f64]) -> Self {
         let local = analysis.numbering.view(&analysis.system, rhs);
         let mut values = vec![0.0; if prescribed.is_empty() { 0 } else { local.dofs() }];
@@ -68,7 +68,7 @@ impl<'a> Replay<'a> {
         side
     }
 
-    /// `b - C_p u_p` of a user's equation, unscaled.
+    /// `b - C_p u_p` of a user's equation (b minus the terms of its prescribed DOFs), unscaled.
     pub fn of_user(&self, row: usize) -> Mismatch {
         self.side(row, false).effective
     }
@@ -89,7 +89,7 @@ pub struct BlockSolver {
     /// For each kept row, the exponent by which the block scales it.
     exponents: Vec<i32>,
     solver: SlaveSolver,
-    /// Local DOF of each entry of a solution, and the exponent of its scaling.
+    /// For each entry of a solution, its local DOF and the exponent of the scaling of this DOF.
     slaves: Vec<(u32, i32)>,
 }
 

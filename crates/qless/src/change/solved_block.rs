@@ -19,7 +19,7 @@ pub struct SolvedBlock {
 }
 
 impl SolvedBlock {
-    /// Analyses the equations of a block, ascending, and reduces them.
+    /// Analyses and reduces the equations of a block, which must ascend.
     pub(super) fn new(equations: &[EquationId], network: &Network, options: &Options) -> Result<Self, ChangeError> {
         let mut dofs: Vec<u32> = equations.iter().flat_map(|&id| network.terms(id)).map(|&(j, _)| j).collect();
         dofs.sort_unstable();
@@ -59,17 +59,17 @@ impl SolvedBlock {
         &self.equations
     }
 
-    /// u_s, ascending.
+    /// The slaves u_s of the block, ascending.
     pub fn slaves(&self) -> &[usize] {
         &self.slaves
     }
 
-    /// u_q, ascending.
+    /// The masters u_q of the block, ascending.
     pub fn masters(&self) -> &[usize] {
         &self.masters
     }
 
-    /// u_p, ascending.
+    /// The prescribed DOFs u_p of the block, ascending.
     pub fn prescribed(&self) -> &[usize] {
         &self.prescribed
     }
@@ -99,7 +99,7 @@ impl SolvedBlock {
         found.map_or_else(|_| Vec::new(), |k| self.certificates[k].1.clone())
     }
 
-    /// Sets `u_s = T u_q + G u_p + g` in u.
+    /// Sets the slaves of the block in u: `u_s = T u_q + G u_p + g`.
     pub(super) fn expand(&self, u: &mut [f64]) -> Result<(), ChangeError> {
         // The single DOF of an equation without terms is not a DOF of the whole system.
         if self.slaves.is_empty() && self.masters.is_empty() {

@@ -7,7 +7,7 @@ pub enum ArgumentError {
     /// A list of the wrong length.
     #[error("{what} has {found} numbers; {expected} are needed")]
     WrongLength {
-        /// Which list.
+        /// The name of the list.
         what: &'static str,
         /// The length of the list.
         found: usize,
@@ -17,7 +17,7 @@ pub enum ArgumentError {
     /// An index that is out of range.
     #[error("{what} {found} (from 0) is out of range: there are {count}")]
     OutOfRange {
-        /// What the index counts.
+        /// What the index counts, such as `DOF`.
         what: &'static str,
         /// The index.
         found: usize,
@@ -27,23 +27,23 @@ pub enum ArgumentError {
     /// A number that is not finite.
     #[error("{what}: number {place} (from 0) is {value}; give a finite number")]
     NotFinite {
-        /// Which list.
+        /// The name of the list that contains the number.
         what: &'static str,
-        /// The place of the number in the list.
+        /// The place of the number in the list, from 0.
         place: usize,
         /// The number.
         value: f64,
     },
-    /// A result that was evaluated before the set changed.
+    /// A result that was evaluated before the constraint set changed.
     #[error("{what} were evaluated before the set changed; evaluate again")]
     Outdated {
-        /// Which result.
+        /// The name of the outdated result.
         what: &'static str,
     },
     /// A number that must not be below zero.
     #[error("{what} is {value}; give a number of at least 0")]
     Negative {
-        /// Which number.
+        /// The name of the number.
         what: &'static str,
         /// The number.
         value: f64,
@@ -51,30 +51,30 @@ pub enum ArgumentError {
     /// A result that exceeds the range of doubles.
     #[error("{what}: number {place} (from 0) is beyond 1e308; give smaller numbers")]
     Overflow {
-        /// Which result.
+        /// The name of the result.
         what: &'static str,
-        /// The place of the number that exceeds the range.
+        /// The place of the number that exceeds the range, from 0.
         place: usize,
     },
     /// A list that does not ascend, or that has a number in common with another list.
     #[error("{what}: {value} at place {place} (from 0) is out of order or repeated; give each number once, ascending")]
     NotAscending {
-        /// Which list.
+        /// The name of the list.
         what: &'static str,
-        /// The place in the list.
+        /// The place of the first number out of order, from 0.
         place: usize,
-        /// The number found there.
+        /// The number at this place.
         value: usize,
     },
     /// A result that belongs to another analysis or set.
     #[error("{what} belongs to another analysis or set; use the one that was made by this analysis or set")]
     Foreign {
-        /// Which argument.
+        /// The name of the argument.
         what: &'static str,
     },
 }
 
-/// Checks a length.
+/// Checks the length of a list.
 pub(crate) fn long(what: &'static str, found: usize, expected: usize) -> Result<(), ArgumentError> {
     if found == expected { Ok(()) } else { Err(ArgumentError::WrongLength { what, found, expected }) }
 }

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 /// Minimum number of rows or DOFs for one thread.
 pub(crate) const WORTH_A_THREAD: usize = 1 << 17;
 
-/// `values[at[k]]` for every k.
+/// Gathers `values[at[k]]` for every k.
 pub(crate) fn gather(values: &[u32], at: &[u32]) -> Vec<u32> {
     let value = |&j: &u32| values[j as usize];
     if at.len() < WORTH_A_THREAD { at.iter().map(value).collect() } else { at.par_iter().map(value).collect() }

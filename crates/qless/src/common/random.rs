@@ -9,7 +9,7 @@ pub(crate) fn randoms(seed: u64) -> impl Iterator<Item = f64> {
 #[inline]
 pub(crate) fn signed(seed: u64, k: u64) -> f64 {
     let bits = bits(seed, k);
-    // A branch on a random sign would be unpredictable.
+    // Bit 0 becomes the sign bit: a branch on a random sign would be unpredictable.
     f64::from_bits(unit(bits).to_bits() | (bits & 1) << 63)
 }
 

@@ -195,9 +195,9 @@ impl Pipeline<'_> {
         Ok(self.with_confidence(pass, decided, (dropped, false), None))
     }
 
-    /// Runs without the equations in `gone`. Takes the equations of a component back if one of them is then not redundant, or if the number
-    /// of dependent equations of the component changes or that of conflicting ones falls. A new conflict is accepted if it is clear,
-    /// because a large right-hand side may have hidden it. Returns the result and the equations left out.
+    /// Runs without the equations in `gone`. All of these equations in a component are taken back if one of them is then not redundant, if
+    /// the number of dependent equations of the component changes, or if that of conflicting ones falls. A new conflict is accepted if it
+    /// is clear, because a large right-hand side may have hidden it. Returns the result and the equations left out.
     fn without(
         &self,
         mut gone: BTreeSet<usize>,
@@ -301,7 +301,7 @@ impl Pipeline<'_> {
         if d.dropped > floor { d.dropped } else { 0.0 }
     }
 
-    /// Returns true if a conflict is within the last digit with which the coefficients of its equations were typed.
+    /// Returns true if the mismatch of a conflict is within the last digit with which the coefficients of its equations were typed.
     fn agrees_as_typed(&self, d: &Dependent, history: &History) -> bool {
         if d.kind != Kind::Conflicting || d.relative_mismatch >= last_digit(*TYPED.start()) {
             return false;

@@ -126,7 +126,7 @@ impl Analysis {
         terms.iter().copied().filter(|term| scaled(term) > part * largest).collect()
     }
 
-    /// The remainder of a vector after subtracting its certificate, and the sum of the sizes of all terms, by free local DOF in ascending
+    /// What remains of a vector after its certificate is subtracted, and the sum of the sizes of all terms, by free local DOF in ascending
     /// order.
     pub(crate) fn parts(
         &self,
@@ -138,8 +138,8 @@ impl Analysis {
         sums
     }
 
-    /// The same for all local DOFs, prescribed ones too. The remainder is summed in twice the precision, so that a refinement uses its true
-    /// value. Time and memory depend on the terms only, not on the system: thousands of certificates are checked, one by one.
+    /// As [`Self::parts`], for all local DOFs, prescribed ones too. The remainder is summed in twice the precision, so that a refinement
+    /// uses its true value. Time and memory depend on the terms only, not on the system: thousands of certificates are checked, one by one.
     pub(crate) fn sums(
         &self,
         vector: impl IntoIterator<Item = (u32, f64)>,
@@ -182,7 +182,7 @@ impl Analysis {
         self.error_in(&self.sums(vector, terms))
     }
 
-    /// The largest error of these sums.
+    /// The largest error of these sums: the remainder relative to the size of the sum, at a free DOF.
     pub(crate) fn error_in(&self, sums: &[(u32, (f64, f64))]) -> f64 {
         let error = |(left, size): (f64, f64)| if left == 0.0 { 0.0 } else { left.abs() / size };
         let free = sums.iter().filter(|sum| self.numbering.free[sum.0 as usize]);

@@ -1,8 +1,8 @@
 //! `row_k = sum_i c_i row_i`: why an equation is dependent, in terms of the user's equations.
 //!
-//! Presolve subtracted steps from rows, and steps are rows from which earlier steps were subtracted. A certificate is
-//! found by undoing these subtractions, from the last step to the first. If the kept rows are independent, the certificate is unique, and
-//! its support is the smallest set of kept equations that explains the row.
+//! Presolve subtracted multiples of its pivot rows (the steps) from other rows; steps are themselves rows from which earlier steps were
+//! subtracted. A certificate is found by undoing these subtractions, from the last step to the first. If the kept rows are independent, the
+//! certificate is unique, and its support is the smallest set of kept equations that explains the row.
 
 use std::collections::BTreeMap;
 
@@ -23,7 +23,7 @@ const NOISE: f64 = 1e-11;
 
 /// The operations that changed rows before they reached the blocks.
 pub(crate) struct History {
-    /// Row of the user for each row that went through elimination.
+    /// For each row that went through elimination, the user's row.
     pub rows: Vec<u32>,
     /// For each row that went through elimination, the steps subtracted from it and their factors.
     pub factors: Vec<Vec<(u32, f64)>>,
@@ -77,14 +77,14 @@ impl History {
         self.expand(rows, sums, exponent)
     }
 
-    /// Adds `weight` times the steps that were subtracted from row i.
+    /// Adds `weight` times the steps that were subtracted from row i to `steps`.
     fn undo(&self, i: u32, weight: f64, steps: &mut BTreeMap<u32, CertificateSum>) {
         for &(step, factor) in &self.factors[i as usize] {
             steps.entry(step).or_default().add(weight * factor);
         }
     }
 
-    /// Replaces steps by their rows, the last step first.
+    /// Replaces steps by their rows, the last step first, and returns the sum of all rows in the user's equations.
     fn expand(
         &self,
         mut rows: BTreeMap<u32, CertificateSum>,

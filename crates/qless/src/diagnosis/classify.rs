@@ -1,4 +1,5 @@
-//! Classifies dependent equations as redundant or conflicting by `b_k - sum c_i b_i`, with prescribed DOFs moved into b (Eq. 27, 28).
+//! Classifies dependent equations as redundant or conflicting by `b_k - sum c_i b_i`, with prescribed DOFs moved into b (Eq. 27 and 28 of
+//! the paper).
 
 use std::collections::HashMap;
 use std::sync::OnceLock;
@@ -18,7 +19,7 @@ use crate::presolve::rows::MORE_THAN_ROUNDING;
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
 pub enum Kind {
-    /// Not a combination of the other kept equations.
+    /// Kept: not a combination of the other kept equations.
     Independent,
     /// A combination of kept equations, and consistent with them.
     Redundant,
@@ -36,9 +37,9 @@ pub struct Dependent {
     pub kind: Kind,
     /// `b_k - sum c_i b_i` in the units of the equation, prescribed DOFs moved into b.
     pub mismatch: f64,
-    /// The mismatch relative to its largest term; 0 if it is within rounding.
+    /// The mismatch relative to its largest term; 0 if it may be rounding.
     pub relative_mismatch: f64,
-    /// Remainder of the equation that was treated as zero, relative to the equation; 0 if it is within rounding.
+    /// What remained of the equation and was treated as zero, relative to the equation; 0 if it may be rounding.
     pub dropped: f64,
     /// True if the mismatch exceeds the tolerance but may be rounding, of the largest right-hand side or of the certificate. It then does
     /// not count as a conflict.
@@ -51,8 +52,8 @@ pub struct Dependent {
 /// Decides whether a mismatch is a conflict.
 pub(crate) struct MismatchRule<'a> {
     pub tolerance: f64,
-    /// True if a mismatch below the rounding of the largest right-hand side is suspect, and if numbers typed with few digits may be
-    /// rounded.
+    /// True if small mismatches may be rounding: those below the rounding of the largest right-hand side are suspect, and so are numbers
+    /// that were typed with few digits.
     is_auto: bool,
     /// The result of [`rounding_of_sides`], computed when it is needed.
     rounding: OnceLock<Vec<f64>>,
@@ -92,8 +93,8 @@ impl<'a> MismatchRule<'a> {
 /// The origin of the certificate of a dependent equation.
 #[derive(Clone, Debug)]
 pub(crate) enum Source {
-    /// Index of the row among those that went through elimination, its certificate over rows of its block, and an error bound: each
-    /// coefficient is wrong by at most this many units in the last place of the largest one, times the number of terms.
+    /// A certificate over rows of a block: the index of the row among those that went through elimination, the terms, and an error bound.
+    /// Each coefficient is wrong by at most this many units in the last place of the largest one, times the number of terms.
     Traced(u32, BlockCertificate, f64),
     /// The certificate itself.
     Given(Vec<CertificateTerm>),
@@ -114,12 +115,12 @@ impl Source {
 }
 
 impl Dependent {
-    /// Whether the equation counts as redundant only because the error bound of its mismatch is large.
+    /// Whether the equation is redundant although its mismatch exceeds the tolerance: its error bound is large, or the mismatch is suspect.
     pub(crate) fn is_excused(&self, tolerance: f64) -> bool {
         self.kind == Kind::Redundant && self.rest.value.abs() > tolerance * self.rest.size
     }
 
-    /// Redundant unless the mismatch exceeds the tolerance of its terms, exceeds rounding, and is not suspect.
+    /// The equation is redundant unless its mismatch exceeds the tolerance of its terms, exceeds rounding, and is not suspect.
     pub(crate) fn new(row: usize, rest: Mismatch, dropped: f64, source: Source, rule: &MismatchRule) -> Self {
         let Mismatch { value, size, error } = rest;
         let is_within = value.abs() <= (rule.tolerance * size).max(MORE_THAN_ROUNDING * error);

@@ -4,7 +4,8 @@ use crate::diagnosis::classify::Dependent;
 use crate::input::noise::is_typed;
 use crate::{ConstraintSystem, Tolerance};
 
-/// If smaller changes make the kept equations dependent, they are in doubt: computed coefficients may be wrong in their 8th digit.
+/// If changes smaller than this make the kept equations dependent, they are in doubt: computed coefficients may be wrong in their 8th
+/// digit.
 const NEAR: f64 = 1e-7;
 /// A mismatch of the right-hand sides up to this, relative to its terms, is zero: rounding of the terms can cause it.
 const NO_MISMATCH: f64 = 1e-12;
@@ -50,9 +51,9 @@ pub enum Doubt {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Confidence {
-    /// d, between 0 and 1.
+    /// The distance d of the kept equations from dependence, between 0 and 1.
     pub distance: f64,
-    /// e; 0 if every remainder is within rounding.
+    /// The error e of the certificates of dropped equations; 0 if every remainder is within rounding.
     pub error: f64,
     /// True if there is a doubt: the rank or a verdict may be wrong.
     pub ambiguous: bool,
@@ -75,7 +76,8 @@ impl serde::Serialize for Confidence {
 
 impl Confidence {
     /// Makes a confidence from both measures; `other` is a doubt from another check, used if these measures raise none. With a tolerance
-    /// other than the default, dropped equations raise no doubt, and kept ones do only if their distance is below the tolerance or rounding.
+    /// other than the default, dropped equations raise no doubt; kept ones raise one only if their distance is below the tolerance or is
+    /// rounding.
     ///
     /// ```
     /// use qless::{Confidence, Tolerance};
@@ -106,12 +108,14 @@ impl Confidence {
         Self { ambiguous: doubt.is_some(), doubt, ..self }
     }
 
-    /// `-log10 d`: the verdict holds unless coefficients are wrong in a digit before this one. Infinite, `null` in JSON, if d is 0.
+    /// `-log10 d` of the distance d: the verdict holds unless coefficients are wrong in a digit before this one. Infinite (`null` in JSON)
+    /// if d is 0.
     pub fn digits_kept(&self) -> f64 {
         (-self.distance.log10()).max(0.0)
     }
 
-    /// `-log10 e`: the number of digits to which the dropped equations agree with the kept ones. Infinite, `null` in JSON, if all agree.
+    /// `-log10 e` of the error e: the number of digits to which the dropped equations agree with the kept ones. Infinite (`null` in JSON)
+    /// if all agree.
     pub fn digits_dropped(&self) -> f64 {
         -self.error.log10()
     }

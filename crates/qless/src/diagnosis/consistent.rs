@@ -1,13 +1,13 @@
 //! Chooses kept equations from which all consistent equations follow to the last digits.
 //!
-//! `u1 + u2 = 1e12 + 1e-3`, `u2 = 1e12` and `u1 = 1e-3` agree, but u1 from the first two lacks the digits that `1e12 + 1e-3` has lost.
-//! A dropped equation k is examined if it may not hold to the tolerance of its terms: the residual that a solution of the kept equations
-//! leaves in k, or one rounding of the largest term of the certificate of k, exceeds this tolerance. If that residual is within the
-//! rounding of the certificate, a kept equation i of the certificate is given up so that k can be kept. The coefficient of i must be at
-//! least half of the largest one, so that the kept equations come nearer to dependence by a factor of two at most. Among the equations with
-//! such a coefficient, i has the largest right-hand side term, and this term must exceed the terms of k. The exchange is undone in
-//! components where an equation that was given up is then not redundant, or where the number of dependent equations changes or that of
-//! conflicting ones falls.
+//! `u1 + u2 = 1e12 + 1e-3`, `u2 = 1e12` and `u1 = 1e-3` agree, but u1 from the first two lacks the digits that `1e12 + 1e-3` has lost. A
+//! dropped equation k is examined if it may not hold to the tolerance of its terms. Two numbers are compared with this tolerance: the
+//! residual that a solution of the kept equations leaves in k, and one rounding of the largest term of the certificate of k. If the
+//! residual is within the rounding of the certificate, a kept equation i of the certificate is given up so that k can be kept. The
+//! coefficient of i must be at least half of the largest one, so that the kept equations come nearer to dependence by a factor of two at
+//! most. Among the equations with such a coefficient, i has the largest right-hand side term, and this term must exceed the terms of k. The
+//! exchange is undone in components where an equation that was given up is then not redundant, where the number of dependent equations
+//! changes, or where that of conflicting ones falls.
 
 use std::collections::BTreeSet;
 
@@ -34,8 +34,8 @@ pub(crate) fn to_give_up(pass: &PassResult, rule: &MismatchRule, wanted: &[usize
         let (left, size) = left_of(system, d.row, &u);
         // An equation whose terms are only rounding is not examined.
         let has_parts = side(rule, d.row).size > 0.0 || size > MORE_THAN_ROUNDING * d.rest.error;
-        // `left` is the residual of one solution of the kept equations, and may be small by chance. Another solution may leave a rounding
-        // of the largest term of the certificate, so the larger of the two counts.
+        // `left` is the residual of one solution of the kept equations, and may be small by chance. Another solution may leave an error as
+        // large as the rounding of the largest term of the certificate, so the larger of the two counts.
         let most_left = left.max(f64::EPSILON * d.rest.size);
         if has_parts && most_left > rule.tolerance * size && left <= MORE_THAN_ROUNDING * d.rest.error {
             let part = |term: &CertificateTerm| (term.coefficient * side(rule, term.row).size).abs();
@@ -82,7 +82,7 @@ pub(crate) fn not_redundant(
     Ok(others)
 }
 
-/// `|b - C u|` of an equation, and its largest term.
+/// The residual `|b - C u|` of an equation, and its largest term.
 fn left_of(system: LocalSystem, row: usize, u: &[f64]) -> (f64, f64) {
     let b = system.rhs()[row];
     let parts = system.row(row).map(|(j, v)| v * u[j]);
@@ -90,7 +90,7 @@ fn left_of(system: LocalSystem, row: usize, u: &[f64]) -> (f64, f64) {
     (sum.abs(), size)
 }
 
-/// `b - C_p u_p` of an equation.
+/// `b - C_p u_p` of an equation: its right-hand side minus the terms of prescribed DOFs.
 pub(crate) fn side(rule: &MismatchRule, row: usize) -> Mismatch {
     let MismatchRule { system, .. } = *rule;
     let mut side = WorkingRow::new(system.rhs()[row]);

@@ -6,22 +6,22 @@
 use crate::common::DisjointSets;
 use crate::input::numbering::LocalSystem;
 
-/// Connected equations, each of whose DOFs occurs in at least two of them.
+/// Connected equations, each of whose remaining DOFs occurs in at least two of them.
 pub struct Core {
     /// The equations, ascending.
     pub rows: Vec<u32>,
-    /// By equation, its remaining DOFs and their coefficients.
+    /// For each equation, its remaining DOFs and their coefficients.
     pub entries: Vec<Vec<(u32, f64)>>,
 }
 
 /// The state of the removal: the rows and DOFs that remain, with the length of each row and the number of rows of each DOF.
 struct Peeling<'a> {
     system: LocalSystem<'a>,
-    /// The equations, whether each remains, and the number of its remaining DOFs.
+    /// The equations. The next two fields say whether each of them remains, and how many of its DOFs remain.
     rows: &'a [u32],
     stays: Vec<bool>,
     length: Vec<u32>,
-    /// By DOF, the places of its equations, their number, and whether the DOF remains.
+    /// For each DOF, the places of its equations. The next two fields are the number of those that remain, and whether the DOF remains.
     holders: Vec<Vec<u32>>,
     count: Vec<u32>,
     is_left: Vec<bool>,
@@ -93,7 +93,7 @@ impl Peeling<'_> {
         }
     }
 
-    /// Removes a DOF, which one equation fixes, from the other equations.
+    /// Removes DOF j, whose value one equation fixes, from the other equations.
     fn leave(&mut self, j: u32) {
         self.is_left[j as usize] = false;
         for &at in self.holders[j as usize].iter().filter(|&&at| self.stays[at as usize]) {

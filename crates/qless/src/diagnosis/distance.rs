@@ -46,7 +46,7 @@ pub(crate) struct KeptRows<'a> {
 pub(crate) struct CoreDistance {
     /// One of the equations of the core.
     pub row: u32,
-    /// The estimate of d, at most 1.
+    /// The estimate of the distance d from dependence, at most 1.
     pub distance: f64,
     /// True if changes in the last digit with which coefficients were typed can make the core dependent.
     pub is_typed: bool,
@@ -77,7 +77,7 @@ impl KeptRows<'_> {
         rows
     }
 
-    /// rho of each core.
+    /// The spectral radius rho of `|K| |X|` for each core, where K X = I.
     fn growths(&self, cores: &[Core]) -> Vec<f64> {
         let mut weights: Vec<Vec<f64>> = cores.iter().map(|core| vec![1.0; core.rows.len()]).collect();
         let mut growth = vec![1.0; cores.len()];
@@ -103,8 +103,8 @@ impl KeptRows<'_> {
         growth
     }
 
-    /// A solution `u = X g` of `K u = g`, by DOF. `sides` holds the right-hand sides g by the user's row. Both u and g are in scaled rows
-    /// and columns.
+    /// A solution `u = X g` of `K u = g` for the kept equations K, by DOF. `sides` holds the right-hand sides g by the user's row. Both u
+    /// and g are in scaled rows and columns.
     fn solved(&self, sides: &[Option<Lanes>]) -> Vec<Lanes> {
         let Self { system, basis, history, scaling, .. } = *self;
         let mut after: Vec<Lanes> = Vec::with_capacity(history.steps.len());

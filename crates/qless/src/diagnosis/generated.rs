@@ -1,7 +1,7 @@
-//! Generated boundary conditions: free DOFs that the equations fix to a value (section 2.2, Figure 6).
+//! Generated boundary conditions: free DOFs that the equations fix to a value (section 2.2 and Figure 6 of the paper).
 //!
-//! DOF s is fixed iff it does not move in any vector of the null space of the free part of C. Two random vectors show this without T:
-//! u_s is then zero to rounding, and for any other s it is zero with probability zero.
+//! DOF s is fixed iff it does not move in any vector of the null space of the free part of C. Two random vectors of the null space show
+//! this without T: a fixed DOF is zero to rounding in both, and any other DOF is zero with probability zero.
 
 use std::collections::{BTreeMap, HashSet};
 
@@ -22,9 +22,9 @@ const NOISE: f64 = 1e-11;
 /// Fixed DOFs, ascending by the user's numbers.
 #[derive(Default)]
 pub(crate) struct Generated {
-    /// The user's numbers and the values.
+    /// The fixed DOFs in the user's numbers, with their values.
     pub values: Vec<(usize, f64)>,
-    /// The local numbers.
+    /// The fixed DOFs in local numbers.
     pub dofs: Vec<u32>,
 }
 
@@ -66,7 +66,7 @@ pub(crate) fn evaluate(dofs: Vec<u32>, system: LocalSystem, u: &[f64]) -> Genera
     Generated { values: dofs.iter().map(named).collect(), dofs }
 }
 
-/// The remainder of a vector after subtracting equations; the keys are (result of [`times`], DOF).
+/// What remains of a vector after equations are subtracted; the keys are (result of [`times`], DOF).
 struct GeneratedRemainder {
     parts: BTreeMap<(u32, u32), f64>,
 }
@@ -85,12 +85,12 @@ pub(crate) struct Explainer<'a> {
     pub history: &'a History,
     pub scaling: &'a Scaling,
     pub backend: &'a dyn Backend,
-    /// The result of [`times`].
+    /// For each DOF, the row of the basis that defines it: the result of [`times`].
     pub time: &'a [u32],
 }
 
-/// The row of the basis that defines each DOF; for DOFs of block k, the number of rows plus k; `u32::MAX` for other masters and prescribed
-/// DOFs.
+/// For each DOF, the row of the basis that defines it. For DOFs of block k, this is the number of rows plus k; for other masters and
+/// prescribed DOFs, `u32::MAX`.
 pub(crate) fn times(basis: &Basis, dofs: usize) -> Vec<u32> {
     let mut time = vec![u32::MAX; dofs];
     basis.slaves().iter().zip(0..).for_each(|(&slave, t)| time[slave as usize] = t);
@@ -135,7 +135,7 @@ impl Explainer<'_> {
         Ok(own)
     }
 
-    /// Removes the remainder in all DOFs of one block at once: `C_kept^T y = rest`.
+    /// Removes the remainder in all DOFs of one block at once, by solving `C_kept^T y = rest` with the kept rows of the block.
     fn take_block(&self, rest: &mut GeneratedRemainder, k: usize) -> Result<Vec<(u32, f64)>, BackendError> {
         let (block, solved) = (&self.blocks[k], &self.basis.blocks[k]);
         let mut right = vec![0.0; block.dofs.len()];

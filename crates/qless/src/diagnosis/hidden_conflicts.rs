@@ -26,11 +26,11 @@ use crate::input::scale::ldexp;
 use crate::presolve::eliminated::Mismatch;
 use crate::presolve::rows::MORE_THAN_ROUNDING;
 
-/// Number of solutions v. All three random sums are a million times too small in one of 1e18 cases.
+/// Number of solutions v. The chance that all three random sums are a million times too small is about 1e-18.
 const V: usize = 3;
-/// Number of solutions: u and the v.
+/// Number of solutions: u and all v.
 const W: usize = V + 1;
-/// Seeds of the weights.
+/// Seeds of the random weights w, one for each solution v.
 const SEEDS: [u64; V] = [0x9e37_79b9, 0x85eb_ca6b, 0xc2b2_ae35];
 
 /// Classifies redundant equations again if their mismatch may exceed the tolerance of their own right-hand side.
@@ -86,15 +86,15 @@ fn reclassify(d: &mut Dependent, history: &History, rule: &MismatchRule) {
     }
 }
 
-/// `number` times the random weight w of equation i, for each of the three v.
+/// `number` times the random weight w of equation i, for each of the three solutions v.
 fn weights(keys: &RandomKeys, i: usize, number: f64) -> [f64; V] {
     SEEDS.map(|seed| number * signed(seed, keys.row(i as u32)))
 }
 
-/// The largest `|C_k v|` that is more than the rounding of its terms.
+/// The largest `|C_k v|` that is more than the rounding of its terms, over the solutions v.
 ///
-/// v has an error of about `eps L / d` beside a side L. It could be taken for a size that excuses a mismatch of `eps L` only if `d` is below
-/// the tolerance, and then the rank is in doubt.
+/// A right-hand side L gives v an error of about `eps L / d`, where d is the distance from dependence. This error could be taken for a size
+/// that excuses a mismatch of `eps L` only if `d` is below the tolerance, and then the rank is in doubt.
 fn size_above_rounding(system: LocalSystem, k: usize, v: &Slab<V>) -> f64 {
     let mut terms = [0.0_f64; V];
     system.row(k).for_each(|(j, a)| terms.iter_mut().zip(&v[j]).for_each(|(t, v)| *t = t.max((a * v).abs())));

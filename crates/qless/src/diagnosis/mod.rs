@@ -86,7 +86,7 @@ pub struct PresolveStatistics {
     pub rows_found_dependent: usize,
     /// Equations that remain for the backend.
     pub core_rows: usize,
-    /// Free DOFs in these equations.
+    /// Free DOFs in the equations that remain for the backend.
     pub core_dofs: usize,
     /// Number of blocks.
     pub blocks: usize,
@@ -98,11 +98,11 @@ pub struct PresolveStatistics {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Timings {
-    /// Scaling and presolve.
+    /// Time of scaling and presolve.
     pub presolve: Duration,
-    /// The backend, and all computations with its factors.
+    /// Time of the backend and of all computations with its factors.
     pub factor: Duration,
-    /// Classification and generated boundary conditions.
+    /// Time of classification and of generated boundary conditions.
     pub classify: Duration,
 }
 
@@ -141,7 +141,7 @@ pub struct Analysis {
     labels: OnceLock<Labels>,
     /// One equation of each core of kept equations, and the distance of the core from dependence.
     distances: Vec<(u32, f64)>,
-    /// The least distance of each component.
+    /// For each component, the least of the distances of its cores.
     distance_of_label: OnceLock<Vec<f64>>,
     /// The basis, extended by the blocks: each block is solved for its slaves, and these relations become rows. The first call that needs
     /// them computes them.
@@ -227,7 +227,7 @@ impl Analysis {
         self.presolve
     }
 
-    /// Time spent.
+    /// The time spent in each stage.
     pub fn timings(&self) -> Timings {
         self.timings
     }

@@ -88,7 +88,7 @@ impl PassResult {
         }
     }
 
-    /// By component, the numbers of dependent and of conflicting equations.
+    /// For each component, the numbers of dependent and of conflicting equations.
     pub fn counts_by_component(&self, labels: &Labels) -> Vec<(u32, u32)> {
         let mut counts = vec![(0, 0); labels.count];
         for d in &self.dependent {

@@ -73,8 +73,8 @@ pub fn analyse(system: &ConstraintSystem, options: &Options) -> Result<Analysis,
 const BYTES: usize = 48;
 
 impl Analysis {
-    /// Adds the exact rank of the system as given; sets a doubt if a part has another result, or if the equations that do not conflict have
-    /// no solution.
+    /// Adds the exact rank of the system as given. Raises a doubt if a part has another result, or if the equations that do not conflict
+    /// have no solution.
     fn compare_with_exact(&mut self, system: &ConstraintSystem) -> Result<(), AnalysisError> {
         let settings = Settings { fill: self.options.memory / BYTES, ..self.options.numbers.into() };
         let exact = exact::rank(system, settings)?;

@@ -22,7 +22,7 @@ const CORRECTIONS: usize = 6;
 /// such numbers loses 10 of them.
 const DONE: f64 = f64::EPSILON * f64::EPSILON * 256.0;
 
-/// W solutions by DOF, each number a sum of two doubles.
+/// W solutions by DOF; each number is a sum of two doubles.
 pub(crate) struct Solutions<const W: usize> {
     high: Slab<W>,
     low: Slab<W>,
@@ -31,8 +31,8 @@ pub(crate) struct Solutions<const W: usize> {
 }
 
 impl KeptRows<'_> {
-    /// Solutions for the given sides of each equation, with all masters zero and prescribed DOFs as in `start`. Peeled equations are left
-    /// out: they are in no certificate.
+    /// Solves for the given right-hand sides of each equation, with all masters zero and prescribed DOFs as in `start`. Peeled equations
+    /// are left out: they are in no certificate.
     pub fn solve<const W: usize>(&self, start: Slab<W>, sides: impl Fn(usize) -> [f64; W]) -> Solutions<W> {
         let mut solutions =
             Solutions { low: vec![[0.0; W]; start.len()], last: vec![[0.0; W]; start.len()], high: start };
@@ -70,7 +70,7 @@ impl KeptRows<'_> {
         solution.high.into_iter().map(|[value]| value).collect()
     }
 
-    /// `X` with `C X = left` over the kept equations that were not peeled, in doubles.
+    /// The solution `X` of `C X = left` over the kept equations that were not peeled, in doubles.
     pub fn correction<const W: usize>(&self, left: impl Fn(usize) -> [f64; W]) -> Slab<W> {
         let Self { basis, history, blocks, triangles, .. } = *self;
         let mut steps: Slab<W> = Vec::with_capacity(history.steps.len());
@@ -108,12 +108,12 @@ impl KeptRows<'_> {
 }
 
 impl<const W: usize> Solutions<W> {
-    /// `C_k X`, in doubles.
+    /// The product `C_k X` of equation k and the solutions X, in doubles.
     pub fn product(&self, system: LocalSystem, k: usize) -> [f64; W] {
         product(system, k, &self.high)
     }
 
-    /// `sides - C_i X`, and the largest term of each difference.
+    /// The remainder `sides - C_i X` of equation i for the solutions X, and the largest term of each difference.
     pub fn left(&self, system: LocalSystem, i: usize, sides: [f64; W]) -> [(f64, f64); W] {
         let (mut sums, mut errors, mut sizes) = (sides, [0.0; W], sides.map(f64::abs));
         for (j, v) in system.row(i) {
@@ -141,7 +141,7 @@ impl<const W: usize> Solutions<W> {
     }
 }
 
-/// `C_k X`, in doubles.
+/// The product `C_k X` of equation k and the solutions X, in doubles.
 pub(super) fn product<const W: usize>(system: LocalSystem, k: usize, x: &Slab<W>) -> [f64; W] {
     let mut sum = [0.0; W];
     system.row(k).for_each(|(j, v)| sum.iter_mut().zip(&x[j]).for_each(|(sum, x)| *sum += v * x));

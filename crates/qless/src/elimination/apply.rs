@@ -11,7 +11,8 @@ use crate::common::argument::{long, numbers};
 const CHUNK: usize = 1 << 14;
 
 impl Elimination {
-    /// `u = L u_q + u_0`: all DOFs from those of [`Elimination::masters`].
+    /// Computes all DOFs `u = L u_q + u_0` from the values u_q of [`Elimination::masters`]. L holds T and the identity; `u_0` holds the
+    /// constants and the prescribed values.
     ///
     /// # Errors
     /// [`ArgumentError`] for a wrong length, or a number or result that is not finite; u is then invalid.
@@ -28,7 +29,7 @@ impl Elimination {
         })
     }
 
-    /// `du = L du_q`: expands an increment; prescribed DOFs and constants do not change.
+    /// Expands an increment of the masters: `du = L du_q`, where L holds T and the identity. Prescribed DOFs and constants do not change.
     ///
     /// # Errors
     /// As [`Elimination::expand_into`].
@@ -41,7 +42,7 @@ impl Elimination {
         self.spread(masters, du, |_| 0.0)
     }
 
-    /// [`Elimination::expand_increment_into`] for many vectors, such as modes, one after the other in both lists.
+    /// [`Elimination::expand_increment_into`] for many vectors, such as modes. Both lists hold one vector after the other.
     ///
     /// # Errors
     /// As [`Elimination::expand_into`]; [`ArgumentError::WrongLength`] unless both lists hold the same number of vectors.
@@ -52,7 +53,7 @@ impl Elimination {
         du.par_chunks_mut(n).enumerate().try_for_each(expand)
     }
 
-    /// `f_q = L^T f`: transfers forces on all DOFs to the masters.
+    /// Transfers forces on all DOFs to the masters: `f_q = L^T f`, where L holds T and the identity.
     ///
     /// # Errors
     /// As [`Elimination::expand_into`].
@@ -68,7 +69,7 @@ impl Elimination {
         fill(masters, "L^T f", |q| forces[places[q]] + sums[q])
     }
 
-    /// [`Elimination::restrict_into`] for many vectors, one after the other in both lists.
+    /// [`Elimination::restrict_into`] for many vectors. Both lists hold one vector after the other.
     ///
     /// # Errors
     /// As [`Elimination::expand_increments_into`].
@@ -109,7 +110,7 @@ impl Elimination {
     }
 }
 
-/// Fills a list by a function of the index; an error if a value is not finite.
+/// Fills a list with a function of the index; an error if a value is not finite.
 pub(super) fn fill(
     out: &mut [f64],
     what: &'static str,
@@ -137,7 +138,7 @@ pub(super) fn first_not_finite(values: &[f64]) -> usize {
     values.iter().position(|v| !v.is_finite()).unwrap_or_default()
 }
 
-/// `L^T K L` as an operator: K is a function that multiplies vectors over all DOFs.
+/// The condensed matrix `L^T K L` as an operator: K is a function that multiplies vectors over all DOFs.
 ///
 /// ```
 /// use qless::{Elimination, Options, SystemBuilder};
@@ -165,14 +166,14 @@ impl<K> std::fmt::Debug for Operator<'_, K> {
 }
 
 impl Elimination {
-    /// `L^T K L` as an operator; `k(u, f)` adds `K u` to f, which is zero before.
+    /// The condensed matrix `L^T K L` as an operator. `k(u, f)` must add `K u` to f, which is zero before the call.
     pub fn operator<K: FnMut(&[f64], &mut [f64])>(&self, k: K) -> Operator<'_, K> {
         Operator { elimination: self, k, u: vec![0.0; self.dofs()], f: vec![0.0; self.dofs()] }
     }
 }
 
 impl<K: FnMut(&[f64], &mut [f64])> Operator<'_, K> {
-    /// `y = L^T K L x`, both over [`Elimination::masters`].
+    /// Multiplies by the condensed matrix: `y = L^T K L x`. Both x and y are vectors over [`Elimination::masters`].
     ///
     /// # Errors
     /// As [`Elimination::restrict_into`].

@@ -1,4 +1,5 @@
-//! Multipliers and reactions, `C_S^T lambda = (f - K u)_S`, for the solution u of any solver.
+//! Computes multipliers lambda and reactions for the solution u of any solver: `C_S^T lambda = (f - K u)_S`. The index S denotes the
+//! slaves.
 
 use super::{Elimination, EliminationError, EliminationSource};
 use crate::common::argument::numbers;

@@ -9,8 +9,8 @@
 //! update       g for new b and u_p                                           O(nnz C)
 //! ```
 //!
-//! The row of L is a row of the identity for a master, the row of T for a slave, and empty for a prescribed DOF. `u_0` contains g and the
-//! values of prescribed DOFs.
+//! The row of L is a row of the identity for a master, the row of T for a slave, and empty for a prescribed DOF. `u_0` contains `G u_p + g`
+//! and the values of prescribed DOFs. The index S denotes the slaves.
 
 mod apply;
 mod condense;
@@ -69,7 +69,7 @@ pub struct Elimination {
     roles: Roles,
     /// Current values of the prescribed DOFs.
     prescribed_values: Vec<f64>,
-    /// None if the elimination was made from a reduction.
+    /// The equations; None if the elimination was made from a reduction.
     equations: Option<EliminationSource>,
 }
 
@@ -79,7 +79,7 @@ struct EliminationSource {
     /// Current right-hand sides.
     rhs: Vec<f64>,
     kinds: Vec<Kind>,
-    /// Created on first use.
+    /// The refresher, which is created on first use.
     refresher: OnceLock<Refresher>,
     multipliers: OnceLock<MultiplierFactors>,
 }
@@ -153,7 +153,7 @@ impl Elimination {
         self.equations.as_ref().map(|equations| &equations.analysis)
     }
 
-    /// Current b; empty if the elimination was made from a reduction.
+    /// Current right-hand sides b; empty if the elimination was made from a reduction.
     pub fn rhs(&self) -> &[f64] {
         self.equations.as_ref().map_or(&[], |equations| &equations.rhs)
     }
@@ -173,22 +173,22 @@ impl Elimination {
         self.roles.of.len()
     }
 
-    /// u_s, ascending.
+    /// The slaves u_s, ascending.
     pub fn slaves(&self) -> &[usize] {
         self.reduction.slaves()
     }
 
-    /// u_q, ascending.
+    /// The masters u_q, ascending.
     pub fn masters(&self) -> &[usize] {
         self.reduction.masters()
     }
 
-    /// u_p, ascending.
+    /// The prescribed DOFs u_p, ascending.
     pub fn prescribed(&self) -> &[usize] {
         self.reduction.prescribed()
     }
 
-    /// Current values of u_p.
+    /// Current values of the prescribed DOFs, in the order of [`Elimination::prescribed`].
     pub fn prescribed_values(&self) -> &[f64] {
         &self.prescribed_values
     }

@@ -14,11 +14,11 @@ pub(super) enum Role {
 pub(super) struct Roles {
     /// Role of each DOF.
     pub of: Vec<Role>,
-    /// `G u_p + g`, by slave.
+    /// `G u_p + g` of each slave.
     pub constants: Vec<f64>,
     /// `T^T`: for each master the DOFs of the slaves whose rows contain it.
     pub of_masters: Csr,
-    /// By slave, true if it belongs to a factored part; empty if T is explicit.
+    /// For each slave, true if it belongs to a factored part; empty if T is explicit.
     factored: Vec<bool>,
 }
 

@@ -55,29 +55,29 @@ pub struct View<'a, P = usize, I = u32> {
     starts: &'a [P],
     index: &'a [I],
     base: usize,
-    /// Number of rows or columns, without entries, that follow those of `starts`.
+    /// Number of empty lines (rows or columns) that follow those of `starts`.
     empty: usize,
     pub(super) by_columns: bool,
     pub(super) storage: Storage,
 }
 
 impl<'a, P: Index, I: Index> View<'a, P, I> {
-    /// Compressed rows, counted from 0.
+    /// A pattern of compressed rows; starts and indices count from 0.
     pub fn rows(starts: &'a [P], columns: &'a [I]) -> Self {
         Self { starts, index: columns, base: 0, empty: 0, by_columns: false, storage: Storage::Full }
     }
 
-    /// Compressed columns, counted from 0.
+    /// A pattern of compressed columns; starts and indices count from 0.
     pub fn columns(starts: &'a [P], rows: &'a [I]) -> Self {
         Self { by_columns: true, ..Self::rows(starts, rows) }
     }
 
-    /// The same arrays, with starts and indices counted from 1.
+    /// Declares that starts and indices count from 1.
     pub fn one_based(self) -> Self {
         Self { base: 1, ..self }
     }
 
-    /// The same arrays, with this half of a symmetric matrix stored.
+    /// Declares that the arrays hold only this half of a symmetric matrix.
     pub fn storing(self, storage: Storage) -> Self {
         Self { storage, ..self }
     }
@@ -117,12 +117,12 @@ impl<'a, P: Index, I: Index> View<'a, P, I> {
         })
     }
 
-    /// Which entries are stored.
+    /// Which entries of the matrix are stored.
     pub fn storage(&self) -> Storage {
         self.storage
     }
 
-    /// Entries of line i.
+    /// The range of the entries of line i.
     #[inline]
     pub(super) fn range(&self, i: usize) -> std::ops::Range<usize> {
         match self.starts.get(i + 1) {
@@ -142,7 +142,7 @@ impl<'a, P: Index, I: Index> View<'a, P, I> {
     /// # Errors
     /// [`SystemError::WrongLength`], [`SystemError::BadStarts`], [`SystemError::BadIndex`], [`SystemError::WrongHalf`].
     pub fn checked(self, n: usize) -> Result<Self, SystemError> {
-        // The arrays have one start more than lines.
+        // `starts` has one number more than there are lines.
         let Some(lines) = n.checked_sub(self.empty).filter(|lines| self.starts.len().checked_sub(1) == Some(*lines))
         else {
             let (found, expected) = (self.starts.len(), n.saturating_sub(self.empty).saturating_add(1));

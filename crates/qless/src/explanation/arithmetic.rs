@@ -28,7 +28,7 @@ impl Explanation {
     pub fn arithmetic(&self, system: &ConstraintSystem, row: usize) -> String {
         let mut parts: Vec<ArithmeticTerm> =
             self.members.iter().filter_map(|&member| ArithmeticTerm::new(system, member)).collect();
-        // Nonzero terms are shown first if there is no room for all.
+        // If there is no room for all terms, the nonzero ones are shown first.
         if parts.len() > SHOWN {
             parts.sort_by_key(|part| part.value == 0.0);
         }

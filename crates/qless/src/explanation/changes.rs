@@ -16,11 +16,11 @@ pub enum Number {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Change {
-    /// The number.
+    /// The number that changes.
     pub number: Number,
     /// The present value of the number.
     pub from: f64,
-    /// The value that cures the conflicts, with as few digits as that needs: zero, 12, or 17.
+    /// The value that cures the conflicts, with as few digits as possible: zero, 12 digits, or 17.
     pub to: f64,
 }
 

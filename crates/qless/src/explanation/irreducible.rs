@@ -18,10 +18,10 @@ use std::collections::HashSet;
 use super::{Explanation, NOISE, neighbourhood};
 use crate::{Analysis, CertificateTerm};
 
-/// Most members that are examined, as many as a neighbourhood has: a factorization of M takes some milliseconds then.
+/// Largest number of members that are examined, as many as a neighbourhood has: a factorization of M takes some milliseconds then.
 const MOST: usize = neighbourhood::MOST;
 
-/// Multiplications of all factorizations for one explanation, after which no other member is tried: about a tenth of a second.
+/// Number of multiplications of all factorizations for one explanation, after which no other member is tried: about a tenth of a second.
 const MOST_EFFORT: usize = 1 << 28;
 
 /// Each projection is subtracted twice, and each solution refined once: that leaves no more than rounding.
@@ -38,7 +38,7 @@ struct Members<'a> {
     q: Vec<Vec<f64>>,
     /// The columns of R; column i has `i + 1` numbers.
     r: Vec<Vec<f64>>,
-    /// The factors of the columns of M: the coefficients by those for which M was computed.
+    /// For each column of M, its coefficient divided by the one for which M was computed.
     factors: Vec<f64>,
 }
 
@@ -92,7 +92,8 @@ impl Analysis {
         (best, effort)
     }
 
-    /// Returns true if each term is above a fraction of the sum at each of its free DOFs, and each prescribed value that is no rounding too.
+    /// Returns true if each term exceeds the fraction `least` of the sum at each of its free DOFs, and if each prescribed value that is
+    /// more than rounding exceeds this fraction of its sum.
     fn are_above(&self, vector: &[(u32, f64)], terms: &[CertificateTerm], least: f64) -> bool {
         let (sums, free) = (self.sums(vector.iter().copied(), terms), self.numbering.free.as_slice());
         let is_large = |part: f64, j: usize| {
@@ -155,7 +156,7 @@ impl<'a> Members<'a> {
         self
     }
 
-    /// Multiplications of the factorization.
+    /// Number of multiplications of the factorization.
     fn effort(&self) -> usize {
         PASSES * self.terms.len() * self.terms.len() * self.sizes.len() + 1
     }
@@ -185,7 +186,7 @@ impl<'a> Members<'a> {
         }
     }
 
-    /// Solves `R x = b` in place; b may be the first numbers of a longer vector that is zero behind them.
+    /// Solves `R x = b` in place. b may be the first numbers of a longer vector whose other numbers are zero.
     fn back_substitute(&self, b: &mut [f64]) {
         for i in (0..b.len()).rev() {
             b[i] /= self.r[i][i];
@@ -194,7 +195,7 @@ impl<'a> Members<'a> {
         }
     }
 
-    /// Of the equations that may not be needed, the one that leaves the smallest remainder. None if all leave more than the tolerance.
+    /// Among the equations that may not be needed, the one that leaves the smallest remainder. None if all leave more than the tolerance.
     fn weakest(&self, needed: &HashSet<usize>) -> Option<usize> {
         let mut squares = vec![0.0; self.terms.len()];
         for k in 0..squares.len() {

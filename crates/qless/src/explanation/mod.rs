@@ -49,7 +49,8 @@ const MOST_VISITED: usize = 1 << 14;
 /// A sum that cancels to this fraction of its terms is zero.
 const NOISE: f64 = 1e-11;
 
-/// A combination of equations counts as equal to a sum of DOFs if the remainder is at most this fraction of terms. Rounding leaves less.
+/// A combination of equations counts as equal to a sum of DOFs if the remainder is at most this fraction of its terms. Rounding leaves
+/// less.
 const SAME: f64 = 1e-9;
 
 /// An explanation with more members is compared with the certificate, which may be shorter.
@@ -95,7 +96,7 @@ pub struct Explanation {
     /// The right-hand side of their sum: `sum_i c_i b_i + sum_j d_j value_j`. The explained equation would be redundant with this
     /// right-hand side; a fixed DOF has this value.
     pub right_hand_side: f64,
-    /// `max_j |row_kj - sum c_i row_ij| / (|row_kj| + sum |c_i row_ij|)` over the free DOFs.
+    /// Largest relative remainder: `max_j |row_kj - sum c_i row_ij| / (|row_kj| + sum |c_i row_ij|)` over the free DOFs.
     pub error: f64,
     /// False if it may be possible to leave out a member: more than 128 equations, some with small coefficients, are not examined.
     pub is_irreducible: bool,
@@ -140,7 +141,8 @@ impl Analysis {
         Ok(self.dependent_of(row).map(|dependent| self.explained(dependent, true).0))
     }
 
-    /// Why a DOF s of [`Analysis::generated`] is fixed: its unit vector `e_s = sum_i c_i row_i + sum_j d_j e_j`; `None` for any other DOF.
+    /// Why a DOF s of [`Analysis::generated`] is fixed: its unit vector `e_s = sum_i c_i row_i + sum_j d_j e_j`, where `e_j` are prescribed
+    /// values; `None` for any other DOF.
     ///
     /// # Errors
     /// [`BackendError`] if the block of the DOF cannot be factored again.
@@ -217,8 +219,8 @@ impl Analysis {
         (shortest.expect("one of both"), effort)
     }
 
-    /// A vector as a combination of few equations, if one is found within the bounds, and the number of operations; with a bound for
-    /// coefficients that should be zero.
+    /// Searches for few equations whose combination is the vector. Returns the terms, if they are found within the bounds, with a bound for
+    /// coefficients that should be zero. Also returns the number of operations.
     fn short(&self, row: Option<usize>, vector: &[(u32, f64)]) -> (Option<(Vec<CertificateTerm>, f64)>, usize) {
         let system = self.local();
         let incidence = self.incidence.get_or_init(|| Incidence::new(system));
@@ -232,14 +234,14 @@ impl Analysis {
         let (circle, visited) = tie_path::shortest_circle(&candidates, &ends, MOST_VISITED);
         let circle = circle.map(|circle| terms(tie_path::factors(&candidates, vector, &circle)));
         if let Some(circle) = circle.filter(is_good) {
-            // Each equation of a path eliminates one DOF, with a factor that is not zero.
+            // Each equation of a path eliminates one DOF with a nonzero factor, so no coefficient should be zero.
             return (Some((circle, 0.0)), visited);
         }
         let free: Vec<(u32, f64)> = vector.iter().copied().filter(|&(j, _)| system.free()[j as usize]).collect();
         let (near, effort) = neighbourhood::near(&candidates, &free, tolerance);
-        // Pivots are above the tolerance of their sums, so that they enlarge rounding by less than its inverse.
+        // Pivots are above the tolerance of their sums, so they enlarge rounding by a factor below `1 / tolerance`.
         let rounding = f64::EPSILON / tolerance;
-        // Terms that are larger than the vector by the inverse of the tolerance explain any vector within the tolerance.
+        // Terms that exceed the vector by a factor of `1 / tolerance` explain any vector within the tolerance.
         let largest =
             free.iter().map(|&(j, value)| ldexp(value.abs(), self.scaling.col(j as usize))).fold(0.0, f64::max);
         let size = |term: &CertificateTerm| ldexp(term.coefficient.abs(), -self.scaling.row[term.row]);
@@ -248,15 +250,16 @@ impl Analysis {
         (near.map(|near| (near, rounding)), visited + effort)
     }
 
-    /// Returns false if the remainder of each coefficient is as large as the coefficient itself: sums that are far larger hide it.
+    /// Returns false if more than half of each coefficient remains: sums that are far larger than the coefficients hide this.
     fn says_something(&self, vector: &[(u32, f64)], sums: &[(u32, (f64, f64))]) -> bool {
         let left = |j: u32| sums.binary_search_by_key(&j, |sum| sum.0).map_or(0.0, |place| sums[place].1.0);
         let mut free = vector.iter().filter(|&&(j, _)| self.numbering.free[j as usize]).peekable();
         free.peek().is_none() || free.any(|&(j, value)| left(j).abs() <= value.abs() / 2.0)
     }
 
-    /// A larger coefficient of a kept equation leaves more than the tolerance: changes of this size make the equations of its component
-    /// dependent. The distance is an estimate within a factor of their number.
+    /// Bound of coefficients that may be zero. If a kept equation with a larger coefficient is left out, more than the tolerance remains:
+    /// only changes as large as the distance make the equations of its component dependent. The distance is an estimate within a factor of
+    /// their number.
     fn rounding(&self, terms: &[CertificateTerm]) -> f64 {
         self.options.tolerance.value() / terms.first().map_or(1.0, |term| self.distance_near(term.row))
     }
@@ -278,8 +281,7 @@ impl Analysis {
         }
     }
 
-    /// Largest difference of the right-hand side of an explanation from another number b that comes from equations that agree only to the
-    /// tolerance.
+    /// The right-hand side of an explanation may differ from the true one, b, by this much, because equations agree only to the tolerance.
     fn side_error(&self, explanation: &Explanation, b: f64) -> f64 {
         let size = explanation.members.iter().map(|&member| self.part(member).abs()).fold(b.abs(), f64::max);
         10.0 * self.options.tolerance.value() * size
@@ -293,7 +295,7 @@ impl Analysis {
         }
     }
 
-    /// The explanation by these equations and the prescribed values in their remainder; computes the error unless it is known.
+    /// The explanation by these equations and by the prescribed values in their remainder. The error is computed unless it is given.
     fn with_values(&self, vector: &[(u32, f64)], terms: Vec<CertificateTerm>, error: Option<f64>) -> Explanation {
         let sums = self.sums(vector.iter().copied(), &terms);
         let is_value =

@@ -16,7 +16,7 @@ const MOST_DOFS: usize = 512;
 /// A sum that cancels to this fraction of its terms is zero.
 const NOISE: f64 = 1e-11;
 
-/// The remainder of an equation while others are subtracted: values, and the sizes of the terms that went into them.
+/// What remains of an equation while others are subtracted: values, and the sizes of the terms that went into them.
 #[derive(Clone, Default)]
 struct Remainder {
     values: Vec<f64>,
@@ -33,7 +33,7 @@ impl Remainder {
         self.sizes[k] += part.abs();
     }
 
-    /// The number, or zero if it is rounding.
+    /// Value k, or zero if it is rounding.
     fn get(&self, k: usize, noise: f64) -> f64 {
         match (self.values.get(k), self.sizes.get(k)) {
             (Some(&value), Some(&size)) if value.abs() > noise * size => value,
@@ -41,7 +41,7 @@ impl Remainder {
         }
     }
 
-    /// All numbers, with zero for those that are rounding.
+    /// All values, with zero in place of those that are rounding.
     fn cleaned(&self, noise: f64) -> Vec<f64> {
         (0..self.values.len()).map(|k| self.get(k, noise)).collect()
     }
@@ -100,7 +100,7 @@ impl Neighbourhood<'_> {
         *self.columns.entry(dof).or_insert(next)
     }
 
-    /// Adds level after level until the vector is a combination; returns false if the bounds are reached before.
+    /// Adds level after level until the vector is a combination; returns false if the bounds are reached first.
     fn grow(&mut self, mut dofs: Vec<u32>) -> bool {
         while !dofs.is_empty() {
             let level = self.level(&dofs);

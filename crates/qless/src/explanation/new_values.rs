@@ -22,17 +22,17 @@ const FIT: f64 = 1e-2;
 /// A mismatch as a sum over all its numbers.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MismatchSum {
-    /// Numbers with their effects a_ow and present values.
+    /// Numbers with their effects on the mismatch and their present values.
     pub terms: BTreeMap<Number, (f64, f64)>,
-    /// The sum with the present values, and what its additions lost.
+    /// The sum with the present values, and the rounding error of its additions.
     present: (f64, f64),
     constant: f64,
-    /// The size of each term, descending.
+    /// The size of each term with its number, descending.
     sizes: Vec<(f64, Number)>,
 }
 
 impl MismatchSum {
-    /// The constant and the terms: number, effect, present value.
+    /// A mismatch with this constant and these terms (number, effect, present value).
     pub fn new(constant: f64, terms: impl IntoIterator<Item = (Number, f64, f64)>) -> Self {
         let (mut all, mut present) = (BTreeMap::new(), (constant, 0.0));
         for (number, effect, value) in terms {
@@ -63,14 +63,14 @@ impl MismatchSum {
     }
 }
 
-/// A sum, and what its additions lost, plus a product.
+/// Adds the product of `effect` and x to a sum, and its rounding error to that of the sum.
 fn plus((sum, lost): (f64, f64), effect: f64, x: f64) -> (f64, f64) {
     let part = effect * x;
     let (next, error) = two_sum(sum, part);
     (next, lost + (effect.mul_add(x, -part) + error))
 }
 
-/// The new values of a way, given as changes: refined, then with as few digits as the tolerance allows.
+/// The new values of the numbers of a way, which is given as changes: refined, then with as few digits as the tolerance allows.
 pub(super) fn new_values(sums: &[MismatchSum], changes: &[(Number, f64)], tolerance: f64) -> Vec<(Number, f64)> {
     let value = |number: &Number| sums.iter().find_map(|sum| sum.terms.get(number)).map_or(0.0, |term| term.1);
     let mut way: Vec<(Number, f64)> =

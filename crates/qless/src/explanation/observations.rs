@@ -20,7 +20,7 @@ pub(super) struct Observations {
     pub mismatches: Vec<f64>,
     /// The numbers that may be changed.
     pub effects: BTreeMap<Number, Effects>,
-    /// The mismatches over all numbers.
+    /// The mismatches, each as a sum over all numbers that affect it.
     pub sums: Vec<MismatchSum>,
 }
 
@@ -98,7 +98,7 @@ impl Observations {
         all
     }
 
-    /// Changes x and y with `m + a x + c y = 0`.
+    /// Changes x and y of two numbers with effects a and c, so that `m + a x + c y = 0` for the mismatches m; None if there are none.
     fn cure_by_two(&self, a: &[f64], c: &[f64]) -> Option<[f64; 2]> {
         let (m, n) = (&self.mismatches, self.mismatches.len());
         if (0..n).any(|o| a[o] == 0.0 && c[o] == 0.0) {
@@ -117,8 +117,8 @@ impl Observations {
         (0..n).all(is_cured).then_some([x, y])
     }
 
-    /// Changes one number after the other, always the one that cures most of the remaining mismatches. Each change lowers the number of
-    /// remaining mismatches, so this ends. The number of the largest effect cures a mismatch, so none is left.
+    /// Changes one number after the other, always the one with the largest [`gain`]. Each change lowers the number of remaining mismatches,
+    /// so this ends. None is left if each mismatch has a number that affects no other one.
     pub fn greedy(&self) -> Vec<(Number, f64)> {
         let mut left = self.mismatches.clone();
         let mut chosen: BTreeMap<Number, f64> = BTreeMap::new();
@@ -135,8 +135,8 @@ impl Observations {
     }
 }
 
-/// The gain of a number, and its change that cures most mismatches. The gain counts the cured mismatches minus the zero mismatches that
-/// the change spoils. None if the gain is not positive.
+/// The gain of a number, and its change that cures the largest number of mismatches. The gain counts the cured mismatches minus the zero
+/// mismatches that the change spoils. None if the gain is not positive.
 fn gain(left: &[f64], effects: &Effects) -> Option<(usize, f64)> {
     let spoiled = effects.iter().filter(|&&(o, _)| left[o] == 0.0).count();
     let open: Vec<_> = effects.iter().filter(|&&(o, _)| left[o] != 0.0).collect();

@@ -28,7 +28,7 @@ use crate::{Analysis, Dependent, Kind};
 
 /// Largest number of conflicts that are examined one by one. More conflicts are replaced by random sums, which show single changes only.
 const MOST_CONFLICTS: usize = 64;
-/// Number of random sums for more conflicts: a single change that does not cure the conflicts cures both sums with probability 0.
+/// Number of random sums that replace many conflicts: a single change that does not cure the conflicts cures both sums with probability 0.
 const SUMS: usize = 2;
 /// Largest number of conflicts for which pairs of changes are searched completely.
 const HANDFUL: usize = 8;
@@ -42,7 +42,7 @@ const ROUNDS: usize = 4;
 /// that is larger than all other numbers would cure the conflict.
 const NOISE: f64 = 1e-9;
 
-/// A search of ways: numbers and how much each changes.
+/// A function that finds ways; a way lists numbers and how much each changes.
 type Search<'a> = &'a dyn Fn() -> Vec<Vec<(Number, f64)>>;
 
 /// An equation or DOF that could be freed.
@@ -61,13 +61,14 @@ pub enum Freed {
 pub struct Repair {
     /// The conflicting equations, ascending.
     pub conflicts: Vec<usize>,
-    /// Changes that cure all of them together, the most plausible way first; all have the same number of changes. At most 16. Each was
-    /// verified: in the analysis of the changed system, none of `conflicts` conflicts, and no other equation has become conflicting.
+    /// Ways to cure all these conflicts together, the most plausible way first; all ways have the same number of changes. At most 16. Each
+    /// way was verified: in the analysis of the changed system, none of `conflicts` conflicts, and no other equation has become
+    /// conflicting.
     ///
     /// Fewer if an analysis takes long. Empty if no way was found that holds, or if more than 64 conflicts have no single change that cures
     /// them.
     pub ways: Vec<Vec<Change>>,
-    /// Number of ways of this size: the listed ones, and further ones that were not verified.
+    /// Number of ways with this number of changes: the listed ones, and further ones that were not verified.
     pub count: usize,
 }
 
@@ -75,9 +76,9 @@ impl Analysis {
     /// How to cure the conflicts: few right-hand sides and prescribed values, with their new values.
     ///
     /// Single changes and, for up to 8 conflicts with at most 300 numbers, pairs of changes are searched completely. If more changes are
-    /// needed, they are chosen one by one, always the one that cures most. Each way is verified: the changed system is analysed, and the
-    /// conflicts are gone, and no other equation has become conflicting. Of ways with equally many
-    /// changes, those come first that replace a rare number by a common one, or by one with fewer digits.
+    /// needed, they are chosen one by one, always the one that cures the largest number of conflicts. Each way is verified: the changed
+    /// system is analysed, and the conflicts are gone, and no other equation has become conflicting. Among ways with equally many changes,
+    /// those come first that replace a rare number by a common one, or by one with fewer digits.
     ///
     /// ```
     /// use qless::explanation::Number;
@@ -131,7 +132,8 @@ impl Analysis {
         observed
     }
 
-    /// The right-hand sides of equations whose coefficients are more than noise beside the largest, and the prescribed DOFs in these.
+    /// The numbers that may be changed: right-hand sides of the equations whose coefficients are more than noise beside the largest, and
+    /// the prescribed DOFs in these equations.
     fn major(&self, members: &[Member]) -> HashSet<Number> {
         let equations = || {
             members.iter().filter_map(|member| match *member {
@@ -148,7 +150,8 @@ impl Analysis {
         major.flat_map(numbers).collect()
     }
 
-    /// The terms of `-sum c_i b_i - sum d_j value_j`: the effect of a number is minus the coefficient of its member.
+    /// The terms of `-sum c_i b_i - sum d_j value_j`, as (number, effect, present value). The effect is minus the coefficient of the
+    /// member.
     fn terms(&self, members: &[Member]) -> impl Iterator<Item = (Number, f64, f64)> {
         members.iter().map(|&member| {
             let number = Number::from(member);
@@ -156,7 +159,7 @@ impl Analysis {
         })
     }
 
-    /// Mismatches of random sums of the conflicts.
+    /// The mismatches of random sums of the conflicts, with the numbers that affect them.
     fn observe_sums(&self, conflicts: &[&Dependent]) -> Result<Observations, BackendError> {
         let mut observed = Observations::default();
         for sum in 0..SUMS {
@@ -234,7 +237,7 @@ impl Analysis {
         Ok((self.with_values(&vector, terms, Some(0.0)), b))
     }
 
-    /// The repair of some conflicts: ways with the fewest changes among those that hold.
+    /// The repair of some conflicts: among the ways that hold, those with the fewest changes.
     fn repair(
         &self,
         conflicts: Vec<usize>,

@@ -9,7 +9,7 @@ use std::collections::HashMap;
 
 use super::candidates::Candidates;
 
-/// How the search reached a vertex.
+/// How the search reached a vertex (a DOF).
 #[derive(Clone, Copy)]
 struct Reached {
     /// Index of the DOF of the equation from which the search started.
@@ -26,7 +26,7 @@ enum Grounded {
     Prescribed,
 }
 
-/// A closed circle: paths to the vertices `ends`, and the equation `joint` that joins them, unless they are grounded.
+/// A closed circle: paths to the vertices `ends`, which the equation `joint` joins, or which are grounded.
 struct Circle {
     length: usize,
     ends: Vec<u32>,
@@ -38,7 +38,7 @@ struct Circle {
 struct TieSearch<'a> {
     candidates: &'a Candidates<'a>,
     reached: HashMap<u32, Reached>,
-    /// For each side, the grounded vertex with the shortest path, and the length of that path.
+    /// For each side (start of the search), the grounded vertex with the shortest path, and the length of that path.
     ground: Vec<Option<(u32, usize, Grounded)>>,
     best: Option<Circle>,
 }
@@ -75,7 +75,7 @@ impl TieSearch<'_> {
     }
 
     /// Returns true if vertices at this depth can close a shorter circle: by an equation between two of them, or by paths to the ground
-    /// of all sides that have none yet.
+    /// from all sides that have none yet.
     fn may_improve(&self, depth: usize) -> bool {
         let missing = self.ground.iter().filter(|ground| ground.is_none()).count();
         let known: usize = self.ground.iter().flatten().map(|ground| ground.1).sum();

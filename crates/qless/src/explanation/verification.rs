@@ -14,7 +14,7 @@ const MOST_ANALYSED: usize = 1 << 20;
 /// An equation of presolve takes as long as this number of operations of a dense factorization: a microsecond.
 const OPERATIONS: usize = 4096;
 
-/// A changed system.
+/// A system with changed numbers, analysed again.
 pub(super) struct ChangedSystem {
     /// The analysis of the components in which a number changes; the equations have the same numbers.
     pub analysis: Analysis,
@@ -26,13 +26,13 @@ pub(super) struct ChangedSystem {
 pub(super) struct Verification<'a> {
     analysis: &'a Analysis,
     options: Options,
-    /// Number of equations that may still be analysed; those of blocks count by the operations of dense blocks.
+    /// Number of equations that may still be analysed; equations of blocks count by the operations of dense factorizations.
     left: Cell<usize>,
 }
 
 impl<'a> Verification<'a> {
     pub fn new(analysis: &'a Analysis) -> Self {
-        // More effort changes no verdict.
+        // Effort beyond `Checked` changes no verdict.
         let options = Options { effort: analysis.options.effort.min(Effort::Checked), ..analysis.options.clone() };
         Self { analysis, options, left: Cell::new(MOST_ANALYSED) }
     }

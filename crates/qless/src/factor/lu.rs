@@ -8,7 +8,7 @@
 use crate::Csr;
 use crate::factor::backend::BackendError;
 
-/// The coefficient of a slave is at least this fraction of the largest one left in its equation.
+/// The coefficient of a slave is at least this fraction of the largest one left in its equation among the DOFs that may be slaves.
 const THRESHOLD: f64 = 0.9;
 
 /// After the elimination, a number below this fraction of the largest number of its equation is rounding.
@@ -17,9 +17,9 @@ const ROUNDING: f64 = f64::EPSILON / 2.0;
 /// The slaves, and the factors of their columns. Step k eliminates the k-th equation of the order.
 #[derive(Clone, Debug)]
 pub(crate) struct SparseLu {
-    /// DOF of each step.
+    /// The DOF that becomes a slave in each step.
     pub slaves: Vec<u32>,
-    /// Equation of each step.
+    /// The equation that is eliminated in each step.
     pub order: Vec<u32>,
     /// L11 without its diagonal of ones, by rows.
     pub l: Csr,
@@ -59,7 +59,7 @@ struct LuWork<'a> {
     /// Number of equations of each DOF; [`NONE`] for those that may not be slaves.
     count: Vec<u32>,
     step_of: Vec<u32>,
-    /// Columns of L without the diagonal: DOFs and numbers.
+    /// Columns of L without the diagonal. The next two fields are the DOFs and the values of their entries.
     start: Vec<usize>,
     dofs: Vec<u32>,
     values: Vec<f64>,
@@ -71,7 +71,7 @@ struct LuWork<'a> {
     x: Vec<f64>,
     /// The last step that reached each DOF.
     seen: Vec<u32>,
-    /// DOFs reached, in the order of [`LuWork::reach`].
+    /// The DOFs of the current equation, in the order of [`LuWork::reach`].
     reached: Vec<u32>,
     stack: Vec<(u32, usize)>,
 }
@@ -116,8 +116,8 @@ pub(crate) fn factor(
 }
 
 impl LuWork<'_> {
-    /// Lists the DOFs that the equation contains after the elimination. Each one follows the DOFs whose coefficients its elimination
-    /// changes.
+    /// Lists the DOFs that the equation contains after the elimination. Each DOF follows those whose coefficients change when it is
+    /// eliminated.
     fn reach(&mut self, k: u32, equation: usize) {
         self.reached.clear();
         for (j, _) in self.equations.row(equation) {

@@ -1,5 +1,5 @@
-//! `C_S x = c` for many sparse c: `C_S = U^T L11^T` by [`super::lu`], with a step of refinement (Skeel 1980). C_S has the columns of the
-//! slaves.
+//! Solves `C_S x = c` for many sparse c, by the factors `C_S = U^T L11^T` of [`super::lu`] and a step of refinement (Skeel 1980). C_S has
+//! the columns of the slaves.
 //!
 //! Bit sets list the nonzeros in order, so the cost is about that of the operations on nonzeros.
 
@@ -16,11 +16,11 @@ pub(crate) const NOISE: f64 = 1e-14;
 /// step without becoming zero, and each would cost operations.
 const FADED: f64 = 1e-19;
 
-/// The factors of C_S, and C_S itself for the refinement.
+/// The factors of C_S (the columns of the slaves), and C_S itself for the refinement.
 #[derive(Clone, Debug)]
 pub(crate) struct SlaveSolver {
     lu: SparseLu,
-    /// C_S by columns: row k holds the equations (by step) of the slave of step k.
+    /// C_S by columns: row k lists the entries of the slave of step k; equations are numbered by their steps.
     columns: Csr,
     /// Step of each equation.
     step: Vec<u32>,
@@ -93,7 +93,7 @@ struct SolverWork {
 }
 
 impl SlaveSolver {
-    /// `equations` must be those that were factored.
+    /// A solver for these factors; `equations` must be those that were factored.
     pub fn new(equations: &Csr, lu: SparseLu) -> Self {
         let r = lu.order.len();
         let mut step = vec![0; r];
@@ -150,7 +150,7 @@ impl SlaveSolver {
         self.step.iter().map(|&step| y[step as usize]).collect()
     }
 
-    /// `L11^-T U^-T x`.
+    /// Solves `C_S = U^T L11^T` once, without refinement: `L11^-T U^-T x`.
     fn once(&self, mut x: Vec<f64>) -> Vec<f64> {
         for k in 0..x.len() {
             x[k] /= self.lu.diagonal[k];
@@ -164,7 +164,7 @@ impl SlaveSolver {
         x
     }
 
-    /// `U^-1 L11^-1 y`.
+    /// Solves with the transposed C_S once, without refinement: `U^-1 L11^-1 y`.
     fn once_transposed(&self, mut y: Vec<f64>) -> Vec<f64> {
         for k in 0..y.len() {
             y[k] -= self.lu.l.row(k).map(|(earlier, v)| v * y[earlier]).sum::<f64>();
@@ -186,7 +186,7 @@ impl SlaveSolver {
         &self.lu
     }
 
-    /// `x = C_S^-1 right`, solved twice: the second solve is for the residual of the first and corrects x.
+    /// Solves `C_S x = right` twice: the second solve is for the residual of the first and corrects x.
     fn column(&self, work: &mut SolverWork) -> Vec<(usize, f64)> {
         self.add_solution(work);
         self.subtract_product(work);
@@ -197,7 +197,7 @@ impl SlaveSolver {
         out
     }
 
-    /// `x <- x + L11^-T U^-T right`; `right` is not changed.
+    /// `x <- x + L11^-T U^-T right` with the factors L11 and U; `right` is not changed.
     fn add_solution(&self, SolverWork { right, y, x }: &mut SolverWork) {
         let faded = FADED * right.largest().max(x.largest());
         let mut upper = SparseFactors { values: std::mem::take(&mut y.values), bits: std::mem::take(&mut y.bits) };
@@ -220,7 +220,7 @@ impl SlaveSolver {
         (y.values, y.bits) = (upper.values, upper.bits);
     }
 
-    /// `right <- right - C_S x`.
+    /// Subtracts `C_S x` from `right`; C_S has the columns of the slaves.
     fn subtract_product(&self, SolverWork { right, x, .. }: &mut SolverWork) {
         x.visit(|k, value| self.columns.row(k).for_each(|(equation, v)| right.add(equation, -v * value)));
     }

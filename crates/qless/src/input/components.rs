@@ -1,11 +1,11 @@
 //! Connected components of the graph of equations and free DOFs. They are independent: a result for one does not depend on the others
-//! (section 3.1).
+//! (section 3.1 of the paper).
 
 use crate::common::DisjointSets;
 use crate::input::numbering::LocalSystem;
 
-/// The rows of each component, ascending; components in order of their first row. `dofs` gives the free DOFs of a row,
-/// which are below `count`.
+/// The rows of each component, ascending; components in the order of their first rows. `dofs` gives the free DOFs of a row, which are below
+/// `count`.
 pub(crate) fn components<D: Iterator<Item = u32>>(
     rows: &[u32],
     count: usize,
@@ -17,14 +17,14 @@ pub(crate) fn components<D: Iterator<Item = u32>>(
     parts
 }
 
-/// The component of each row, numbered by first row.
+/// The component of each row; components are numbered in the order of their first rows.
 pub(crate) struct Labels {
     pub of_row: Vec<u32>,
     pub count: usize,
 }
 
 impl Labels {
-    /// The labels of all equations.
+    /// The components of all equations of a system.
     pub fn of(system: LocalSystem) -> Self {
         let free = system.free();
         let dofs = |i: usize| system.parts(i).0.iter().copied().filter(|&j| free[j as usize]);

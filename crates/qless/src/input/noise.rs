@@ -10,11 +10,12 @@ use crate::input::numbering::{Exponents, LocalSystem};
 use crate::input::scale::{balanced_powers, balanced_rows, exponent, free, ldexp};
 use crate::{ConstraintSystem, OptionError};
 
-/// `2^-46` = 1.4e-14: the rounding error of a sum of a hundred terms. A smaller coefficient is suspect.
+/// `2^-46` = 1.4e-14: the rounding error of a sum of a hundred terms. A coefficient is suspect if it is below this fraction of the largest
+/// one of its equation.
 pub(crate) const SUSPECT: i32 = -46;
 /// Numbers with at most this many decimal digits are not the result of rounding.
 const NOT_LEFT_OVER: usize = 8;
-/// Sums of numbers between `2^-8` and 1, and their rounding errors, are multiples of `2^-60`: the last place of `2^-8`.
+/// Sums of numbers between `2^-8` and 1, and their rounding errors, are multiples of `2^-60`, because the last bit of `2^-8` is `2^-60`.
 const QUANTUM: i32 = -60;
 
 /// If units do not mix, data are above `2^-20` of the largest coefficient of their equation: inputs span a factor of a million, and that is
@@ -53,15 +54,15 @@ pub enum Noise {
     /// The absolute error of each equation's coefficients and right-hand side is known. Coefficients within it are zero. A
     /// dependent equation that differs from its combination by no more than these errors causes no doubt.
     Floors {
-        /// By equation: coefficients up to this size are zero.
+        /// For each equation, the size up to which coefficients count as zero.
         coefficients: Vec<f64>,
-        /// By equation: the error of its right-hand side.
+        /// For each equation, the error of its right-hand side.
         rhs: Vec<f64>,
     },
 }
 
 impl Noise {
-    /// Checks ranges and lengths.
+    /// Checks the range of every number and the length of every list.
     pub(crate) fn validate(&self, system: &ConstraintSystem) -> Result<(), OptionError> {
         let is_size = |x: f64| x >= 0.0 && x.is_finite();
         match self {
@@ -110,7 +111,8 @@ impl Suspects {
                 if single.is_empty() {
                     return Self::default();
                 }
-                // Rounding seldom occurs alone. An equation in small units has no other suspect coefficients in its component.
+                // Rounding errors seldom occur alone, but an equation in small units does: its component has no other suspect coefficient.
+                // So the largest suspect coefficient of the component tells them apart.
                 let labels = Labels::of(system);
                 let label = |row: usize| labels.of_row[row] as usize;
                 let mut largest = vec![0.0_f64; labels.count];
@@ -159,7 +161,7 @@ pub(crate) fn is_typed(value: f64) -> bool {
     digits(value) <= NOT_LEFT_OVER
 }
 
-/// Numbers of digits at which the coefficients of an equation were rounded by typing: with fewer they are exact, with more computed.
+/// Numbers of digits at which typing rounds coefficients. An equation with fewer digits is exact, and one with more was computed.
 pub(crate) const TYPED: std::ops::RangeInclusive<usize> = 4..=12;
 
 /// The relative size of the last digit of a number with this many digits.
@@ -191,7 +193,7 @@ fn below(system: LocalSystem<'_>, i: usize, part: f64) -> impl Iterator<Item = N
 /// because balancing gives a small unit to a DOF that has only rounding errors.
 fn suspect(system: LocalSystem, exponents: &[Exponents]) -> Vec<NoiseTerm> {
     let power = f64::from(SUSPECT);
-    // Rounding the exponents down can lose a power of two.
+    // Exponents are rounded down, so their difference can be one too large.
     let spans = |i: usize| {
         let Exponents { least, most } = exponents[i];
         least < most && f64::from(least) - f64::from(most) <= power + 1.0
@@ -232,8 +234,8 @@ fn as_given(system: LocalSystem, spanning: &[usize]) -> Vec<NoiseTerm> {
     spanning.iter().filter(|&&i| may_be[labels.of_row[i] as usize]).flat_map(of).collect()
 }
 
-/// The terms of equations all of whose coefficients are at most the fraction `part` of the largest coefficient of their DOFs, and satisfy
-/// `may_be(row, value, largest)`.
+/// The terms of certain equations: every coefficient is at most the fraction `part` of the largest coefficient of the equation's DOFs, and
+/// satisfies `may_be(row, value, largest)`.
 fn rows_below(
     system: LocalSystem,
     exponents: &[Exponents],
@@ -241,7 +243,7 @@ fn rows_below(
     may_be: impl Fn(usize, f64, f64) -> bool,
 ) -> Vec<NoiseTerm> {
     let largest = exponents.iter().map(|e| i32::from(e.most)).fold(0, i32::max);
-    // Rounding the exponents down can lose a power of two.
+    // Exponents are rounded down, so the limit is one higher.
     let below = largest + 1 + exponent(part);
     let is_small = |&i: &usize| exponents[i].most > 0 && i32::from(exponents[i].most) <= below;
     let rows: Vec<usize> = (0..system.equations()).filter(is_small).collect();
@@ -266,7 +268,7 @@ fn is_left_of(value: f64, most: f64) -> bool {
     multiple.fract() == 0.0 && !is_typed(value)
 }
 
-/// By equation, the error of its coefficients relative to the largest one; None if the option states no errors.
+/// For each equation, the error of its coefficients relative to the largest one; None if the option states no errors.
 pub(crate) fn relative_floors(system: LocalSystem, noise: &Noise) -> Option<Vec<f64>> {
     let largest = |i: usize| free(system, i).fold(0.0, |most: f64, (_, v)| most.max(v.abs()));
     match noise {
@@ -278,7 +280,7 @@ pub(crate) fn relative_floors(system: LocalSystem, noise: &Noise) -> Option<Vec<
     }
 }
 
-/// By equation, the error of its right-hand side in scaled rows; None if the option states no errors.
+/// For each equation, the error of its right-hand side in scaled rows (row i times `2^of_row[i]`); None if the option states no errors.
 pub(crate) fn of_right_hand_sides(system: LocalSystem, of_row: &[i32], noise: &Noise) -> Option<Vec<f64>> {
     match noise {
         Noise::Auto | Noise::None => None,
@@ -287,7 +289,7 @@ pub(crate) fn of_right_hand_sides(system: LocalSystem, of_row: &[i32], noise: &N
     }
 }
 
-/// The largest right-hand side and prescribed term, in scaled rows.
+/// The largest right-hand side or prescribed term of all equations, in scaled rows.
 fn largest_side(system: LocalSystem, of_row: &[i32]) -> f64 {
     let sides = system.rhs().iter().zip(of_row).map(|(b, &power)| ldexp(b.abs(), power));
     let mut most = sides.fold(0.0, f64::max);
@@ -302,7 +304,7 @@ fn largest_side(system: LocalSystem, of_row: &[i32]) -> f64 {
     most
 }
 
-/// By equation, `log2` of the largest mismatch that may be rounding: `2^-46` of the largest right-hand side or prescribed term of its
+/// For each equation, `log2` of the largest mismatch that may be rounding: `2^-46` of the largest right-hand side or prescribed term of its
 /// component. These are compared in balanced units; the result is in the user's units. NaN for an equation without free DOFs.
 pub(crate) fn rounding_of_sides(system: LocalSystem) -> Vec<f64> {
     let units = balanced_rows(system, |_| true);

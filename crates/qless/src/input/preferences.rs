@@ -9,9 +9,9 @@ use crate::input::numbering::Numbering;
 /// Preferences that hold as far as the equations allow. The unmet ones are reported
 /// ([`crate::Analysis::unmet_equations`], [`crate::Reduction::unmet_masters`], [`crate::Reduction::unmet_slaves`]).
 ///
-/// The rank alone decides which sets of DOFs can be slaves. So it is enough to exchange one slave for one master, or one kept equation for
-/// one dependent equation, at a time. A preference stays unmet only if the equations or other preferences rule it out. A preferred slave
-/// also stays unmet if it would exceed the bound of growth.
+/// A set of DOFs can be the slaves if and only if their columns are a basis of all columns. So it is enough to exchange one slave for one
+/// master, or one kept equation for one dependent equation, at a time. A preference stays unmet only if the equations or other preferences
+/// rule it out. A preferred slave also stays unmet if it would exceed the bound of growth.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Preferences {
     /// DOFs (0-based) that must not be slaves, such as loaded ones or interfaces to other codes. A free DOF is a slave nevertheless if the
@@ -36,22 +36,22 @@ pub enum OptionError {
     /// A list of noise floors must have one number for each equation.
     #[error("a list of noise floors has {found} numbers; the system has {expected} equations")]
     Floors {
-        /// Numbers given.
+        /// How many numbers were given.
         found: usize,
-        /// Equations.
+        /// How many equations there are.
         expected: usize,
     },
-    /// Growth below 1 cannot always be reached.
+    /// The bound of growth must be at least 1, because a smaller one cannot always be reached.
     #[error("the growth bound is {0}; it must be a number of at least 1, such as 4")]
     Growth(f64),
     /// A preference names a DOF or equation that does not exist.
     #[error("a preference names {what} {found}, but there are {count} (numbers from 0 to {last})", last = .count.saturating_sub(1))]
     Preference {
-        /// "DOF" or "equation".
+        /// What the preference names: "DOF" or "equation".
         what: &'static str,
         /// The number given, 0-based.
         found: usize,
-        /// How many there are.
+        /// How many DOFs or equations there are.
         count: usize,
     },
     /// A DOF cannot be preferred as a slave and excluded from being one.
@@ -74,7 +74,7 @@ fn within(what: &'static str, numbers: &[usize], count: usize) -> Result<(), Opt
     outside.map_or(Ok(()), |&found| Err(OptionError::Preference { what, found, count }))
 }
 
-/// The preference for a DOF as a slave, in ascending order.
+/// Whether a DOF is preferred as a slave; variants ascend from the least to the most preferred.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum SlavePreference {
     Master,

@@ -15,11 +15,11 @@ pub enum Reading {
     Stored,
 }
 
-/// An exact number.
+/// An exact number, `± digits base^exponent`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Number {
     pub(crate) negative: bool,
-    /// Below 10^17, hence below every prime of 61 bits: no coefficient but 0 has the residue 0.
+    /// Below 10^17, hence below every prime of 61 bits: modulo such a prime, no number but 0 becomes 0.
     pub(crate) digits: u64,
     /// The base is ten if true, else two.
     pub(crate) decimal: bool,

@@ -7,29 +7,29 @@ use crate::input::scale::ldexp;
 /// One pivot, with its row at the time of the elimination.
 #[derive(Clone, Debug)]
 pub(crate) struct Step {
-    /// Index into the rows that were passed to the elimination.
+    /// Index of the pivot row among the rows that were passed to the elimination.
     pub row: u32,
-    /// The slave.
+    /// The DOF of the pivot, which becomes a slave.
     pub dof: u32,
     /// The coefficient of the slave.
     pub pivot: f64,
-    /// The other entries of the row.
+    /// The other entries of the row, as `(DOF, coefficient)`.
     pub others: Vec<(u32, f64)>,
     pub rhs: f64,
-    /// As [`WorkingRow::reach`].
+    /// [`WorkingRow::reach`] of the pivot row.
     pub reach: f64,
 }
 
-/// A row whose free coefficients vanished.
+/// A row in which the coefficients of all free DOFs vanished.
 #[derive(Clone, Debug)]
 pub(crate) struct EmptiedRow {
     pub row: u32,
-    /// [`WorkingRow::dropped`], or the [`Entry::certain_left`](super::rows::Entry::certain_left) of a coefficient that was left when the
-    /// row was classified, if that is larger. 0 if only rounding was dropped.
+    /// The largest [`Entry::certain_left`](super::rows::Entry::certain_left) of the row's coefficients: those that were dropped before, and
+    /// those that were left when the row was classified. 0 if only rounding was dropped.
     pub dropped: f64,
-    /// As [`WorkingRow::reach`].
+    /// [`WorkingRow::reach`] of this row.
     pub reach: f64,
-    /// `b - C_p u_p` of the row minus that of its certificate.
+    /// The right-hand side of the row (without prescribed terms) minus that of its certificate.
     pub mismatch: Mismatch,
 }
 
@@ -37,7 +37,7 @@ pub(crate) struct EmptiedRow {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Mismatch {
     pub value: f64,
-    /// Largest term of the sum.
+    /// The largest term of the sum that gave the value.
     pub size: f64,
     /// Bound of the rounding error of the value.
     pub error: f64,
@@ -48,13 +48,13 @@ impl Mismatch {
         Self { value: row.effective, size: row.effective_size, error: row.effective_error }
     }
 
-    /// All three numbers times `2^exponent`.
+    /// Multiplies value, size and error by `2^exponent`.
     pub fn scaled(self, exponent: i32) -> Self {
         let Self { value, size, error } = self;
         Self { value: ldexp(value, exponent), size: ldexp(size, exponent), error: ldexp(error, exponent) }
     }
 
-    /// Subtracts `factor` times another right-hand side.
+    /// Subtracts `factor` times another right-hand side; updates size and error too.
     pub fn subtract(&mut self, factor: f64, other: Self) {
         let part = (factor * other.size).abs();
         self.value -= factor * other.value;
@@ -66,10 +66,10 @@ impl Mismatch {
 /// The result of the elimination.
 #[derive(Default)]
 pub(crate) struct Eliminated {
-    /// Index of the user's equation, by row.
+    /// For each row, the index of the user's equation.
     pub names: Vec<u32>,
     pub steps: Vec<Step>,
-    /// For each row, the steps subtracted from it and their factors, in the order of the subtractions.
+    /// For each row, the steps whose pivot rows were subtracted from it and the factors, in the order of the subtractions.
     pub factors: Vec<Vec<(u32, f64)>>,
     pub dead: Vec<EmptiedRow>,
     /// Rows left for the backend, ascending.

@@ -1,4 +1,4 @@
-//! Gathers the rows that remain after peeling: scaled, with prescribed DOFs moved into b, and with their own DOF numbers.
+//! Gathers the rows that remain after peeling: scaled, with prescribed DOFs moved into b, and with DOFs numbered anew from 0.
 
 use super::rows::{Entry, WorkingRow};
 use crate::input::numbering::LocalSystem;
@@ -6,11 +6,11 @@ use crate::input::scale::{Scaling, exponent, ldexp};
 
 /// Rows for elimination.
 pub(crate) struct Gathered {
-    /// Index of the user's equation, by row.
+    /// For each row, the index of the user's equation.
     pub names: Vec<u32>,
-    /// Local DOF of each number used in `rows`.
+    /// For each DOF number used in `rows`, the local DOF.
     pub dofs: Vec<u32>,
-    /// By number, true if the DOF is free.
+    /// For each DOF number used in `rows`, true if the DOF is free.
     pub free: Vec<bool>,
     /// In `rows`, coefficients of DOF j are multiplied by `2^power[j]`. The column scaling leaves prescribed DOFs in the user's units; this
     /// factor makes their coefficients comparable with the others.
@@ -21,7 +21,7 @@ pub(crate) struct Gathered {
 /// The user's row whose scaled right-hand side or coefficients leave the range of doubles.
 pub(crate) struct OutOfRange(pub usize);
 
-/// Gathers some equations; `noise` has the errors of right-hand sides, in scaled rows, by the user's equation.
+/// Gathers the equations `names`. `noise` has the error of the right-hand side of each of the user's equations, in scaled rows.
 pub(crate) fn gather(
     system: LocalSystem,
     names: Vec<u32>,
@@ -66,8 +66,8 @@ pub(crate) fn gather(
     Ok(out)
 }
 
-/// By local DOF, the power of two that scales the largest coefficient of a prescribed DOF to about 1; 0 for free DOFs. It does not depend
-/// on the order of the equations. Empty if no DOF is prescribed.
+/// For each local DOF, the power of two that scales the largest coefficient of a prescribed DOF to about 1; 0 for free DOFs. It does not
+/// depend on the order of the equations. Empty if no DOF is prescribed.
 fn powers(system: LocalSystem, names: &[u32], scaling: &Scaling) -> Vec<i32> {
     if system.prescribed().is_empty() {
         return Vec::new();
@@ -77,6 +77,6 @@ fn powers(system: LocalSystem, names: &[u32], scaling: &Scaling) -> Vec<i32> {
         let prescribed = system.row(i).filter(|&(j, _)| !system.free()[j]);
         prescribed.for_each(|(j, v)| largest[j] = largest[j].max(scaling.entry(i, j, v).abs()));
     }
-    // Scaling can make every coefficient zero or infinite.
+    // If scaling made every coefficient zero or infinite, there is no size to scale.
     largest.iter().map(|&v| if v > 0.0 && v.is_finite() { -exponent(v) } else { 0 }).collect()
 }

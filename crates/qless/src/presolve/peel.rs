@@ -30,15 +30,15 @@ const PRESCRIBED: u32 = 1 << 31;
 /// Required size of a slave relative to the other coefficients of its row.
 #[derive(Clone, Copy, PartialEq)]
 enum SlaveSize {
-    /// The slave exceeds every other coefficient.
+    /// The slave exceeds every other coefficient of a free DOF.
     Larger,
-    /// No coefficient exceeds the slave.
+    /// No coefficient of a free DOF exceeds the slave.
     Largest,
     /// The coefficient of the slave is below [`TINY`] times the largest of the free DOFs in its row. A factorization may take it for zero.
     Tiny,
 }
 
-/// Four digits above the default tolerance of 1e-10, so every factorization keeps larger coefficients.
+/// Coefficients above this fraction of the largest are four digits above the default tolerance of 1e-10, so every factorization keeps them.
 const TINY: f64 = 1e-6;
 
 struct Peeling<'a> {
@@ -48,13 +48,13 @@ struct Peeling<'a> {
     columns: Vec<Column>,
     /// A stack of DOFs that became singletons. Each DOF is pushed at most once, so there is room for all.
     ready: Vec<u32>,
-    /// Height of the stack. DOFs are written without a branch, because it would be unpredictable.
+    /// Height of the stack. Each DOF is written above the stack, and the height grows only if it counts: a branch would be unpredictable.
     top: usize,
     /// All rows before this one have been tried already.
     tried: usize,
     /// Required relative size of a slave.
     slave: SlaveSize,
-    /// A slave must exceed this number.
+    /// The coefficient of a slave must exceed this number.
     least: f64,
     out: Peeled,
 }

@@ -65,16 +65,16 @@ const NOISE: f64 = 16.0;
 /// A number above this many times its error bound is more than rounding.
 pub(crate) const MORE_THAN_ROUNDING: f64 = 2.0;
 
-/// `sum entries = rhs` in scaled coefficients, with bounds of the rounding errors.
+/// A row `sum entries = rhs` in scaled coefficients, with bounds of their rounding errors.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct WorkingRow {
-    /// Free and prescribed DOFs.
+    /// The terms of free and prescribed DOFs.
     pub entries: Vec<Entry>,
     /// Number of free DOFs among the entries.
     pub free: u32,
-    /// b.
+    /// The right-hand side b.
     pub rhs: f64,
-    /// `b - C_p u_p`, the largest term of this sum, and a bound of its rounding error.
+    /// `b - C_p u_p`. The next two fields are the largest term of this sum and a bound of its rounding error.
     pub effective: f64,
     pub effective_size: f64,
     pub effective_error: f64,
@@ -105,7 +105,7 @@ impl std::hash::Hasher for DofHasher {
 }
 
 impl WorkingRow {
-    /// `0 = rhs`, without terms.
+    /// A row without terms: `0 = rhs`.
     pub fn new(rhs: f64) -> Self {
         let error = f64::EPSILON * rhs.abs();
         Self { rhs, effective: rhs, effective_size: rhs.abs(), effective_error: error, reach: 1.0, ..Self::default() }

@@ -1,4 +1,4 @@
-//! Uses of a reduction: `u = [T G] [u_q; u_p] + g`, `T^T f`, rows and columns of T.
+//! Uses of a reduction: expansion `u_s = T u_q + G u_p + g`, transfer of forces `T^T f`, rows and columns of T.
 
 use super::Reduction;
 use crate::ArgumentError;
@@ -27,7 +27,8 @@ impl Reduction {
         in_range("u", self.combined(masters, prescribed, |i| self.g[i]))
     }
 
-    /// `u = [T du_q; du_q; 0]`. The difference of two expansions would lose digits beside a large g.
+    /// Expands an increment of the masters: slaves get `T du_q`, prescribed DOFs get 0. The difference of two expansions would lose digits
+    /// beside a large g.
     pub(crate) fn increment(&self, masters: &[f64]) -> Result<Vec<f64>, ArgumentError> {
         numbers("the list of masters", masters, self.masters.len())?;
         in_range("u", self.combined(masters, &vec![0.0; self.prescribed.len()], |_| 0.0))

@@ -1,5 +1,5 @@
-//! T, G and g of a block from `C P = Q [R1 R2]` on its independent rows:
-//! `u_s = -R1^-1 R2 u_q - R1^-1 Q^T C_p u_p + R1^-1 Q^T b` (Eq. 23-26).
+//! Computes T, G and g of a block from the QR factorization `C P = Q [R1 R2]` of its independent rows:
+//! `u_s = -R1^-1 R2 u_q - R1^-1 Q^T C_p u_p + R1^-1 Q^T b` (Eq. 23-26 of the paper).
 
 use super::rounding::{Cleaning, zero};
 use crate::Csr;
@@ -11,7 +11,7 @@ use crate::factor::lu::{self, LuError, SparseLu};
 use crate::factor::solver::SlaveSolver;
 use crate::presolve::basis::{Kept, Solved};
 
-/// Bound of the entries of T. Column pivoting meets it in practice; otherwise slaves are exchanged.
+/// Bound of the entries of T of a block. Column pivoting meets it in practice; otherwise slaves are exchanged.
 const GROWTH: f64 = 4.0;
 
 /// Solves the kept rows of a block for their slaves; a sparse factorization may allocate `memory` bytes.
@@ -59,7 +59,7 @@ fn solved(block: &Block, slaves: &[u32], masters: &[u32], (relation, constant): 
     }
 }
 
-/// Expresses the slaves by a QR factorization, exchanges slaves to bound the entries, and refines the result.
+/// Expresses the slaves by a QR factorization, exchanges slaves to bound the entries of T, and refines the result.
 fn relate(block: &Block, kept: &[usize], factor: &Factor) -> Result<Tableau, BackendError> {
     let mut tableau = relation_by_qr(block, factor);
     tableau.limit(GROWTH);
@@ -69,7 +69,7 @@ fn relate(block: &Block, kept: &[usize], factor: &Factor) -> Result<Tableau, Bac
     Ok(tableau)
 }
 
-/// The kept rows by columns, and `[C_p b]` of them, dense.
+/// The kept rows by columns, and the dense matrix `[C_p b]` of these rows, where C_p are the columns of the prescribed DOFs.
 fn kept_columns(block: &Block, kept: &[usize]) -> (Csr, Vec<f64>) {
     let (r, k) = (kept.len(), block.prescribed.len());
     let mut rhs = vec![0.0; r * (k + 1)];
@@ -80,7 +80,7 @@ fn kept_columns(block: &Block, kept: &[usize]) -> (Csr, Vec<f64>) {
     (block.select(kept).transposed(), rhs)
 }
 
-/// `u_s` by masters, prescribed DOFs and the constant.
+/// Expresses the slaves by masters, prescribed DOFs and a constant.
 fn relation_by_qr(block: &Block, factor: &Factor) -> Tableau {
     let (r, k) = (factor.rank, block.prescribed.len());
     let masters = factor.all_coefficients();
@@ -104,7 +104,7 @@ fn relation_by_qr(block: &Block, factor: &Factor) -> Tableau {
 /// Residuals up to this, relative to the terms of the equation, need no refinement.
 const GOOD: f64 = 1e-14;
 
-/// One step of iterative refinement, unless it makes the residual larger.
+/// One step of iterative refinement of the tableau; it is undone if it makes the residual larger.
 fn refine(block: &Block, kept: &[usize], tableau: &mut Tableau) -> Result<(), BackendError> {
     let (rest, worst) = residual(block, kept, tableau);
     if worst <= GOOD {
@@ -128,7 +128,8 @@ fn refine(block: &Block, kept: &[usize], tableau: &mut Tableau) -> Result<(), Ba
     Ok(())
 }
 
-/// `C_S X - [-C_M -C_p b]` by columns, where X is the tableau, and the largest entry relative to the magnitudes of its terms.
+/// `C_S X - [-C_M -C_p b]` by columns, and its largest entry relative to the magnitudes of the terms. X is the tableau; C_S, C_M and C_p
+/// are the columns of slaves, masters and prescribed DOFs.
 fn residual(block: &Block, kept: &[usize], tableau: &Tableau) -> (Vec<f64>, f64) {
     let (r, width) = (kept.len(), tableau.width);
     let mut slave = vec![usize::MAX; block.dofs.len()];
@@ -161,7 +162,7 @@ fn residual(block: &Block, kept: &[usize], tableau: &Tableau) -> (Vec<f64>, f64)
     (result, worst)
 }
 
-/// The slaves' columns of the kept rows.
+/// The columns of the slaves in the kept rows.
 fn slave_columns(block: &Block, kept: &[usize], tableau: &Tableau) -> Csr {
     let all = block.select(kept).transposed();
     let mut columns = Csr::empty(kept.len());
@@ -171,16 +172,17 @@ fn slave_columns(block: &Block, kept: &[usize], tableau: &Tableau) -> Csr {
 
 /// The relation of a block by sparse LU.
 struct LuRelation {
-    /// DOFs of the block.
+    /// The slaves, as numbers of DOFs within the block.
     slaves: Vec<u32>,
     masters: Vec<u32>,
-    /// A row for each master, then for each prescribed DOF; columns as `slaves`.
+    /// Rows: one for each master, then one for each prescribed DOF. Columns: the slaves, in the order of `slaves`.
     columns: Csr,
-    /// By slave.
+    /// The constant of each slave.
     constant: Vec<f64>,
 }
 
-/// `kept` are independent rows, `order` is fill-reducing. None if the LU factorization does not find the rows independent.
+/// Solves the independent rows `kept` for their slaves; `order` is a fill-reducing order of them. None if the LU factorization does not
+/// find the rows independent.
 fn relation_by_lu(
     block: &Block,
     kept: &[usize],
@@ -215,7 +217,7 @@ pub(super) fn independent_lu(
     }
 }
 
-/// `-[C_M C_p]` by columns.
+/// `-[C_M C_p]` by columns, where C_M are the columns of masters and C_p those of prescribed DOFs.
 fn right_sides(block: &Block, kept: &[usize], rows: &Csr, masters: &[u32]) -> Csr {
     let by_column = rows.transposed();
     let mut right = Csr::empty(kept.len());

@@ -33,7 +33,7 @@ impl Analysis {
         self.reduction_in(Form::Explicit)
     }
 
-    /// `u_s = T u_q + G u_p + g`.
+    /// Computes `u_s = T u_q + G u_p + g` with T in this form.
     ///
     /// Conflicting equations are left out like redundant ones; the caller decides whether that is acceptable.
     ///
@@ -93,8 +93,9 @@ impl Analysis {
 
     /// The relative residual of the independent equations, separately for T u_q, G u_p and g with random u_q and u_p:
     /// `max_i |C_i u - b_i| / (|C_i D| 1 max_j(s_j / d_j) + |b_i|)`. Here s_j is the sum of the magnitudes of the terms of u_j, and D =
-    /// diag(d_j) is the scaling of columns (the identity unless units mix). 1 is the vector of ones, and j runs over the DOFs of the part
-    /// of equation i. For g, the residual of an equation with `b_i != 0` is relative to the terms of the equation instead:
+    /// diag(d_j) is the scaling of columns (the identity unless units mix). 1 is the vector of ones, and j runs over the free DOFs of the
+    /// part of equation i; prescribed DOFs count by their terms in the equation. A residual stays relative to the terms of its own equation
+    /// if that is at most 1e-13. For g, so does the residual of each equation with `b_i != 0`:
     /// `|C_i g - b_i| / (sum_j |C_ij g_j| + |b_i|)`.
     ///
     /// The residual is about 1e-16 times the condition of the kept equations, `1 / confidence.distance`. Computing it takes one pass over C
@@ -138,7 +139,7 @@ impl Analysis {
         if basis.blocks.is_empty() { Cow::Borrowed(&self.bounds) } else { Cow::Owned(basis.bounds(local)) }
     }
 
-    /// The basis with the rows of all blocks.
+    /// The basis of the analysis, extended by the rows of all blocks.
     pub(crate) fn solved(&self) -> Result<&Basis, BackendError> {
         if self.basis.blocks.is_empty() {
             return Ok(&self.basis);
@@ -170,7 +171,7 @@ impl Analysis {
         self.history.rows[self.blocks[k].rows[0] as usize] as usize
     }
 
-    /// The factored parts, by label.
+    /// For each part (by its label), its factored form; None if the part is explicit.
     fn factored(
         &self,
         local: LocalSystem,
@@ -287,7 +288,7 @@ fn checked(mut reduction: Reduction, local: LocalSystem, input: &ReductionInput)
     residual_check::pass(&matrices.worse(constants), &reduction).map(|()| reduction)
 }
 
-/// By part, the largest residual of [`Residuals::above`].
+/// For each part, the largest residual of [`Residuals::above`].
 fn worst_by_part(found: &Residuals, labels: &Labels) -> BTreeMap<u32, f64> {
     let mut worst = BTreeMap::new();
     for &(row, residual) in &found.above {

@@ -4,10 +4,10 @@ use std::collections::HashMap;
 
 use super::relation::Relation;
 
-/// The relation with an index from masters to rows.
+/// The relation `u_s = T u_q + ...`, with an index from masters to rows.
 pub(super) struct Exchange<'a, 'b> {
     pub relation: &'a mut Relation<'b>,
-    /// The rows that may contain a master: a superset.
+    /// For each DOF, a superset of the rows that contain it.
     holders: HashMap<u32, Vec<u32>>,
 }
 

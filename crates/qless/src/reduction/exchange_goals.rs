@@ -10,7 +10,7 @@ use super::exchange::Exchange;
 use super::relation::Relation;
 use crate::input::preferences::{SlavePreference, SlavePreferences};
 
-/// A row may give its slave for a master if its coefficient of the master is at least this fraction of the largest one.
+/// A row may exchange its slave for a master if its coefficient of this master is at least this fraction of the largest one in any row.
 const NEARLY: f64 = 0.5;
 
 /// The smallest bound that is enforced; it exceeds 1 by more than the rounding errors of T.
@@ -101,7 +101,7 @@ pub(super) fn meet_preferences(relation: &mut Relation, preferences: &SlavePrefe
     freed + wanted.into_iter().filter(|&master| engage(&mut exchange, master, preferences, limit)).count()
 }
 
-/// Makes a slave a master.
+/// Makes a slave a master, in exchange for the most preferred master of its row; false if no master of the row may become a slave.
 fn release(exchange: &mut Exchange, slave: u32, preferences: &SlavePreferences) -> bool {
     let row = exchange.relation.row_of[slave as usize];
     let entries = exchange.relation.sorted(row as usize);
@@ -117,7 +117,7 @@ fn release(exchange: &mut Exchange, slave: u32, preferences: &SlavePreferences) 
     })
 }
 
-/// Makes a master a slave, in the row with its largest coefficient, unless that adds too much growth.
+/// Makes a master a slave, in the row with its largest coefficient; false if that would add too much growth.
 fn engage(exchange: &mut Exchange, master: u32, preferences: &SlavePreferences, limit: f64) -> bool {
     let rows = exchange.holding(master).into_iter();
     let fit = rows.filter(|&(i, v)| {

@@ -1,4 +1,4 @@
-//! `u_s = T u_q + G u_p + g` (Eq. 23-26): slaves expressed by masters, prescribed DOFs and a constant.
+//! `u_s = T u_q + G u_p + g` (Eq. 23-26 of the paper): slaves expressed by masters, prescribed DOFs and a constant.
 
 mod apply;
 pub(crate) mod block;
@@ -31,8 +31,8 @@ pub enum Form {
     /// Parts are factored if their rows of T need substitution or a factorization. Parts stay explicit if they contain preferred DOFs, or
     /// if no choice of slaves meets the bound of growth.
     Factored,
-    /// As [`Form::Factored`], but only parts whose rows of T would have more than 4,096 nonzeros, and more than 4 times those of the
-    /// equations and of the factors.
+    /// As [`Form::Factored`], but only for parts whose rows of T would have more than 4,096 nonzeros, more than 4 times as many as the
+    /// equations, and more than 4 times as many as the factors.
     Auto,
 }
 
@@ -48,7 +48,7 @@ pub enum ReductionError {
     Residual {
         /// The equation with the largest residual, 0-based.
         row: usize,
-        /// The residual of this equation, relative to the DOFs of its part.
+        /// The residual of this equation, relative to its own terms or to the DOFs of its part.
         residual: f64,
     },
     /// An entry of T, G or g exceeds the range of doubles.
@@ -68,7 +68,7 @@ pub enum ReductionError {
 /// DOFs are 0-based; `masters` are all free DOFs that are not slaves, including those that occur in no equation.
 #[derive(Clone, Debug, Default)]
 pub struct Reduction {
-    /// Identity of the analysis that computed it.
+    /// Identity of the analysis that computed the reduction.
     pub(crate) of: Identity,
     pub(crate) slaves: Vec<usize>,
     pub(crate) masters: Vec<usize>,
@@ -117,17 +117,17 @@ impl Reduction {
         Ok(Self { slaves, masters, prescribed, t, g_matrix, g, growth, ..Self::default() })
     }
 
-    /// u_s, ascending.
+    /// The slaves u_s, ascending.
     pub fn slaves(&self) -> &[usize] {
         &self.slaves
     }
 
-    /// u_q, ascending.
+    /// The masters u_q, ascending.
     pub fn masters(&self) -> &[usize] {
         &self.masters
     }
 
-    /// u_p, ascending.
+    /// The prescribed DOFs u_p, ascending.
     pub fn prescribed(&self) -> &[usize] {
         &self.prescribed
     }
@@ -158,7 +158,7 @@ impl Reduction {
         &self.unmet_slaves
     }
 
-    /// `max |T_ij|`; for factored parts the largest entry that the search found.
+    /// The largest entry `max |T_ij|`; for factored parts the largest entry that the search found.
     pub fn growth(&self) -> f64 {
         self.growth
     }

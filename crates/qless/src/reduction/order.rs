@@ -26,7 +26,7 @@ impl<'a> SlaveOrder<'a> {
         self.slave.len()
     }
 
-    /// Visits the rows of thread k in batches, in order: number of the row, place relative to the first place of the thread.
+    /// Visits the rows of thread k in batches, in ascending order. A batch lists (row, place relative to the first place of the thread).
     #[inline]
     pub fn visit(&self, k: usize, mut visit: impl FnMut(&[(u32, u32)])) {
         let (first, length) = ((k * self.together) as u32, self.together as u32);
@@ -34,7 +34,7 @@ impl<'a> SlaveOrder<'a> {
         let mut count = 0;
         for (&slave, i) in self.slave.iter().zip(0..) {
             let place = self.place[slave as usize].wrapping_sub(first);
-            // A branch here would be unpredictable.
+            // Each row is written to the batch, but is kept only if its place belongs to the thread: a branch would be unpredictable.
             batch[count] = (i, place);
             count += usize::from(place < length);
             if count == BATCH {
@@ -79,7 +79,8 @@ impl RowRange<'_> {
         }
     }
 
-    /// Writes a zero, which the row already contains. A read would map a shared zero page that the next write has to replace.
+    /// Prefetches by writing a zero, which the row already contains. A read would map a shared zero page that the next write has to
+    /// replace.
     #[inline]
     fn touch(&mut self, row: usize) {
         let [start, end] = [row, row + 1].map(|row| self.start[row] - self.start[0]);
@@ -88,7 +89,7 @@ impl RowRange<'_> {
         }
     }
 
-    /// Writes a row of this length, ascending.
+    /// Writes a row of this length, in ascending order of the columns.
     ///
     /// The caller passes the length: a loop that reads its end from `start` would wait for memory before every row.
     #[inline]
@@ -112,7 +113,7 @@ mod tests {
 
     #[test]
     fn every_row_is_visited_once_by_the_thread_of_its_place() {
-        // 37 and 1,000 have no divisor in common.
+        // 37 and 1,000 have no divisor in common, so `place` is a permutation.
         let slave: Vec<u32> = (0..1000).rev().collect();
         let place: Vec<u32> = (0..1000).map(|j| j * 37 % 1000).collect();
         for together in [1, 7, 128, 333, 1000, 5000] {

@@ -15,7 +15,7 @@ pub(super) fn write(system: &ConstraintSystem, relation: &Relation) -> Reduction
     relation.slave.iter().for_each(|&s| side[dofs[s as usize] as usize] = SLAVE);
     system.prescribed().iter().for_each(|&(j, _)| side[j] = PRESCRIBED);
     let (places, [slaves, masters, prescribed]) = sides(&side, relation.rows(), system.prescribed().len());
-    // By local DOF, its place among the slaves, masters or prescribed DOFs.
+    // For each local DOF, its place among the slaves, masters or prescribed DOFs.
     let place = gather(&places, dofs);
     drop(places);
     let order = SlaveOrder::new(&relation.slave, &place);
@@ -39,7 +39,7 @@ pub(super) fn write(system: &ConstraintSystem, relation: &Relation) -> Reduction
     Reduction { slaves, masters, prescribed, t, g_matrix, g, ..Reduction::default() }
 }
 
-/// Row i of the relation as a row of T, G and g.
+/// Writes row i of the relation as a row of T, G and g.
 #[inline]
 fn write_row(
     relation: &Relation,

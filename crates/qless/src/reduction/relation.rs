@@ -1,4 +1,4 @@
-//! Rows of `[T G g]` by substitution, from the last row of the [`Basis`] to the first.
+//! Computes the rows of `[T G g]` by substitution, from the last row of the [`Basis`] to the first.
 //!
 //! If the equation of a slave contains no other slave, its row is the row of the basis, which is not copied.
 
@@ -15,19 +15,20 @@ pub(crate) struct ReductionInput<'a> {
     pub basis: &'a Basis,
     /// Bounds of the rows of T; infinite for rows that need substitution.
     pub bounds: &'a [f64],
-    /// By local DOF, true if it is fixed; empty if none is.
+    /// For each local DOF, true if it is fixed; empty if none is.
     pub fixed: Vec<bool>,
     pub preferences: SlavePreferences,
-    /// The bound of growth.
+    /// The bound of growth `max |T_ij|`.
     pub growth: f64,
     pub scaling: &'a Scaling,
-    /// By equation, true if it is independent.
+    /// For each equation, true if it is independent.
     pub independent: Vec<bool>,
-    /// Bytes for sparse factors.
+    /// Bytes that a sparse factorization may allocate.
     pub memory: usize,
 }
 
-/// `u_s = sum entries + constant` by masters and prescribed DOFs, in local numbers; row i belongs to row i of the basis.
+/// Expresses each slave by masters and prescribed DOFs in local numbers: `u_s = sum entries + constant`. Row i belongs to row i of the
+/// basis.
 pub(crate) struct Relation<'a> {
     pub system: LocalSystem<'a>,
     basis: &'a Basis,
@@ -41,7 +42,7 @@ pub(crate) struct Relation<'a> {
     dofs: Vec<u32>,
     values: Vec<f64>,
     pub constant: Vec<f64>,
-    /// `max |T_ij|`.
+    /// The growth `max |T_ij|`.
     pub growth: f64,
     /// The rows of T with a coefficient above the bound of growth.
     pub steep: Vec<u32>,
@@ -128,12 +129,12 @@ impl Relation<'_> {
     }
 }
 
-/// Accumulates one row.
+/// The sums of the terms of one row, by DOF.
 #[derive(Default)]
 struct RowSum {
     /// Index of each DOF into `parts`, plus 1; 0 if it has none. Empty until the first row is summed, which many systems never need.
     place: Vec<u32>,
-    /// Sum of the terms, and magnitude of the largest term.
+    /// For each DOF of the row, the sum of its terms and the magnitude of the largest one.
     parts: Vec<(f64, f64)>,
     dofs: Vec<u32>,
 }

@@ -1,4 +1,5 @@
-//! Recomputes `[T G g] = C_S^-1 [-C_M -C_p b]` of some parts from the user's equations, for the slaves that were chosen.
+//! Recomputes `[T G g] = C_S^-1 [-C_M -C_p b]` of some parts from the user's equations, for the slaves that were chosen. C_S, C_M and C_p
+//! are the columns of slaves, masters and prescribed DOFs.
 //!
 //! Presolve and exchanges of slaves can lose digits of T, but the slaves that they chose are still good. With these slaves T is computed
 //! again, by sparse LU with a step of refinement.
@@ -67,14 +68,14 @@ fn roles(local: LocalSystem, reduction: &Reduction) -> Vec<DofPlace> {
 
 /// The scaled equations of a part, with their own DOF numbers.
 struct PartToSolve {
-    /// C_S by rows: slaves in ascending order.
+    /// C_S, the columns of the slaves, by rows; slaves are in the order of `places`.
     slaves: Csr,
-    /// `-[C_M C_p]` by columns.
+    /// `-[C_M C_p]` by columns: masters and prescribed DOFs in the order of `others`.
     right: Csr,
     rhs: Vec<f64>,
     /// Index of each slave in the reduction, and the exponent of its scaling.
     places: Vec<(u32, i32)>,
-    /// Place of each column of `right`, a master or a prescribed DOF, and the exponent of its scaling.
+    /// For each column of `right`, the place of its master or prescribed DOF, and the exponent of its scaling.
     others: Vec<(DofPlace, i32)>,
 }
 
@@ -103,11 +104,11 @@ impl PartToSolve {
             rest.append(local.row(i).filter(|&(j, _)| !is_slave(j)).map(scaled).map(|(j, v)| (j, -v)));
         }
         let rhs = equations.iter().map(|&i| ldexp(local.rhs()[i], scaling.row[i])).collect();
-        // Entries do not ascend within rows; transposing twice sorts them.
+        // Numbers of DOFs do not ascend within rows; transposing twice sorts them.
         Self { slaves: slaves.transposed().transposed(), right: rest.transposed(), rhs, places, others }
     }
 
-    /// Writes the rows of the reduction; row k of `solved` belongs to the slave of step k.
+    /// Writes the rows of the reduction; row k of `solved` belongs to the k-th slave of the solver.
     fn write(&self, rows: &mut [Option<RecomputedRow>], solver: &SlaveSolver, solved: &Csr, g: &[f64]) {
         for (k, &slave) in solver.slaves().iter().enumerate() {
             let (place, exponent) = self.places[slave as usize];
@@ -132,7 +133,8 @@ impl PartToSolve {
     }
 }
 
-/// Replaces rows that were computed. For each slave, `is_wanted` says whether to replace its rows of T and G, and whether its entry of g.
+/// Replaces rows that were computed. For each slave, `is_wanted` says whether to replace its rows of T and G, and whether to replace its
+/// entry of g.
 pub(super) fn replace(
     reduction: &mut Reduction,
     rows: &[Option<RecomputedRow>],

@@ -7,7 +7,7 @@ use crate::input::scale::ldexp;
 
 /// A row of T is zero, and its slave fixed, if all its entries are at most this many units in the last place times the condition.
 const ZERO_UNITS: f64 = 8.0;
-/// Upper limit of the bound of a row that is zero, for any condition.
+/// Upper limit of the bound below which a row counts as zero, however large the condition is.
 const ZERO_LIMIT: f64 = 1e-8;
 
 /// The bound below which all entries of a row count as zero; `sigma` is the smallest singular value of the kept rows.
@@ -15,7 +15,7 @@ pub(super) fn zero(sigma: f64) -> f64 {
     (ZERO_UNITS * f64::EPSILON / sigma).clamp(NOISE, ZERO_LIMIT)
 }
 
-/// One choice of units for a block, as exponents of its DOFs and rows: the units of `matrix`, or balanced ones.
+/// One choice of units for a block, as exponents of its DOFs and rows: the units of the block's matrix, or balanced ones.
 struct Units<'a> {
     block: &'a Block,
     is_balanced: bool,
@@ -58,20 +58,21 @@ pub(super) struct Cleaning<'a> {
     pub block: &'a Block,
     /// Kept rows of the block.
     pub kept: &'a [usize],
-    /// DOFs of the block.
+    /// The slaves, as numbers of DOFs within the block.
     pub slaves: &'a [u32],
     pub masters: &'a [u32],
     /// The bound below which all entries of a row count as zero: the result of [`zero`].
     pub zero: f64,
-    /// Whether the block is solved as a dense matrix.
+    /// True if the block is solved as a dense matrix.
     pub is_small: bool,
 }
 
-/// By slave, whether each entry of its row is more than rounding.
+/// For each slave, whether each entry of its row is more than rounding.
 type Large = Vec<Vec<bool>>;
 
 impl Cleaning<'_> {
-    /// Rows of X by slave, each with its column numbers in ascending order; the constant is the last column.
+    /// Returns the cleaned relation and the constants. `rows` are the rows of X by slave, each with ascending column numbers; the constant
+    /// is the last column.
     pub fn run(&self, rows: &[Vec<(usize, f64)>]) -> (Csr, Vec<f64>) {
         let width = self.masters.len() + self.block.prescribed.len();
         let mut is_large: Large = rows.iter().map(|row| vec![false; row.len()]).collect();
@@ -143,7 +144,7 @@ impl Cleaning<'_> {
         }
     }
 
-    /// By DOF of the block, its largest motion by a master or prescribed DOF.
+    /// For each DOF of the block, the largest motion that one master or prescribed DOF causes.
     fn motions(&self, rows: &[Vec<(usize, f64)>], sizes: &ColumnSizes) -> Vec<f64> {
         let constant = sizes.of_column.len() - 1;
         let mut motions = vec![0.0; self.block.dofs.len()];
@@ -155,7 +156,7 @@ impl Cleaning<'_> {
         motions
     }
 
-    /// By DOF of the block, its slave or the column of its master.
+    /// For each DOF of the block, the row of a slave or the column of a master.
     fn places(&self) -> Vec<RelationPlace> {
         let mut place = vec![RelationPlace::Master(0); self.block.dofs.len()];
         self.masters.iter().zip(0..).for_each(|(&j, c)| place[j as usize] = RelationPlace::Master(c));
@@ -163,7 +164,7 @@ impl Cleaning<'_> {
         place
     }
 
-    /// Adds the terms of equation i in all columns, with the entries that are marked.
+    /// Adds the terms of equation i in all columns of X; of the entries of slaves, only the marked ones count.
     fn add_terms(&self, i: usize, (rows, is_large): Entries, place: &[RelationPlace], columns: &mut ColumnSums) {
         let q = self.masters.len();
         for (j, v) in self.block.matrix.row(i) {
@@ -179,7 +180,7 @@ impl Cleaning<'_> {
         columns.add(q + self.block.prescribed.len(), -self.block.rhs[i]);
     }
 
-    /// Marks the entries of the slaves of equation i in column c; true if one was not marked before.
+    /// Marks the entries of the slaves of equation i in column c; returns true if one was not marked before.
     fn mark(
         &self,
         i: usize,
@@ -200,7 +201,7 @@ impl Cleaning<'_> {
     }
 }
 
-/// The rows of X, and which entries are marked.
+/// The rows of the relation X, and which of their entries are marked.
 type Entries<'a> = (&'a [Vec<(usize, f64)>], &'a Large);
 
 /// The place of a DOF in the relation.
@@ -232,7 +233,7 @@ impl ColumnSums {
         *size += term.abs();
     }
 
-    /// Removes one column and returns it with its sums.
+    /// Removes one column and returns (column, sum, sum of magnitudes).
     fn take(&mut self) -> Option<(usize, f64, f64)> {
         let c = self.touched.pop()?;
         let (sum, size) = std::mem::take(&mut self.sums[c]);
@@ -247,7 +248,7 @@ struct ColumnSizes<'a> {
 }
 
 impl ColumnSizes<'_> {
-    /// The size of an entry in the row of a slave.
+    /// The size of an entry in the row of a slave, in these units.
     fn of(&self, slave: u32, &(c, v): &(usize, f64)) -> f64 {
         ldexp(v.abs() * self.of_column[c], -self.units.dof(slave))
     }

@@ -9,7 +9,8 @@ use crate::{Analysis, ConstraintSystem, Dependent, Kind};
 /// Number of explanations that all threads compute together before the limit is checked again.
 const TOGETHER: usize = 64;
 
-/// Operations of all searches for short explanations in a report: a second or two. Beyond that, certificates serve as explanations.
+/// Largest number of operations of all searches for short explanations in a report: a second or two. Beyond that, certificates serve as
+/// explanations.
 const SEARCH: usize = 1 << 30;
 
 /// The numbers of members and of search operations that remain.
@@ -25,7 +26,7 @@ impl<'a> Budget<'a> {
         Self { system: analysis.system(), analysis, remaining, search: SEARCH }
     }
 
-    /// Conflicts first, then generated boundary conditions with at most half of the remaining terms, then redundant equations.
+    /// Explains conflicts first, then generated boundary conditions with at most half of the remaining members, then redundant equations.
     pub fn spend(&mut self) -> (Vec<DependentEquation>, Vec<GeneratedCondition>) {
         let mut dependent = self.equations(Kind::Conflicting);
         let reserved = self.remaining / 2;
@@ -70,8 +71,8 @@ impl<'a> Budget<'a> {
 
     fn condition(&mut self, dof: usize, value: f64) -> GeneratedCondition {
         let (system, analysis) = (self.system, self.analysis);
-        // The cost of a pass over all DOFs and of a factorization of the largest block, in members: eight DOFs, or a thousand operations of
-        // the factorization, count as one member.
+        // The work of an explanation, counted in members: a pass over all DOFs (eight DOFs count as one member) and a factorization of the
+        // largest block (a thousand operations count as one member).
         let block = analysis.presolve.largest_block;
         let work = system.dofs() / 8 + block.saturating_pow(3) / 1000;
         let certificate = self.certificate(work, || analysis.explain_fixed(dof).ok().flatten());

@@ -88,15 +88,15 @@ fn differences(system: &ConstraintSystem, kinds: &[Kind], exact: &ExactRank) -> 
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct ProofFinding {
-    /// [`Proof::triangular`].
+    /// Number of equations proved by their triangular form: [`Proof::triangular`].
     pub triangular: usize,
-    /// [`Proof::bounded`].
+    /// Number of equations proved to be independent by a bound: [`Proof::bounded`].
     pub bounded: usize,
-    /// [`Proof::modular`].
+    /// Number of equations proved to be independent modulo a prime: [`Proof::modular`].
     pub modular: usize,
-    /// [`Proof::exact`].
+    /// Number of dependent equations proved by an exact certificate: [`Proof::exact`].
     pub exact: usize,
-    /// [`Proof::enclosed`].
+    /// Number of dependent equations whose certificate holds to rounding: [`Proof::enclosed`].
     pub enclosed: usize,
     /// Rows of the equations without a proof, from 1.
     pub unproved: Vec<usize>,

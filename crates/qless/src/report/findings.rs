@@ -92,7 +92,8 @@ pub struct Certificate {
     /// The number of omitted terms, if any.
     #[cfg_attr(feature = "serde", serde(rename = "because_omitted", skip_serializing_if = "Omitted::is_nothing"))]
     pub omitted: Omitted,
-    /// Error of the terms, [`Analysis::because_error`](crate::Analysis::because_error); the key is absent if it is at most the tolerance.
+    /// Error of the coefficients, [`Analysis::because_error`](crate::Analysis::because_error); the key is absent if it is at most the
+    /// tolerance.
     #[cfg_attr(feature = "serde", serde(rename = "because_error", skip_serializing_if = "Option::is_none"))]
     pub error: Option<f64>,
     /// [`Explanation::is_irreducible`](crate::explanation::Explanation::is_irreducible); the key is absent if it is true.
@@ -134,7 +135,7 @@ pub enum Term {
 /// The omitted part of a certificate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Omitted {
-    /// Nothing: the JSON key is absent.
+    /// Nothing is omitted: the JSON key is absent.
     Nothing,
     /// All terms are omitted; the number is how many.
     Terms(usize),
@@ -160,14 +161,14 @@ impl serde::Serialize for Omitted {
 }
 
 impl DependentEquation {
-    /// `row` counts from 1.
+    /// A dependent equation with this certificate; `row` counts from 1.
     pub fn new(row: usize, label: String, kind: Kind, mismatch: f64, certificate: Certificate) -> Self {
         Self { row, label, kind, mismatch, arithmetic: None, certificate }
     }
 }
 
 impl GeneratedCondition {
-    /// `dof` counts from 1.
+    /// A generated boundary condition with this certificate; `dof` counts from 1.
     pub fn new(dof: usize, label: String, value: f64, certificate: Certificate) -> Self {
         Self { dof, label, value, certificate }
     }
@@ -207,7 +208,7 @@ impl Certificate {
 }
 
 impl Term {
-    /// An equation; `row` counts from 1.
+    /// The term of an equation; `row` counts from 1.
     pub fn equation(row: usize, label: String, coefficient: f64) -> Self {
         Self::Equation { row, label, coefficient }
     }

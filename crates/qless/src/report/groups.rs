@@ -17,8 +17,8 @@ pub struct Group {
     pub kind: Kind,
     /// The common label of the equations.
     pub label: String,
-    /// The common labels of the members of the explanations of these equations, as far as explanations are known, without the group's own
-    /// label.
+    /// The common labels of the equations and prescribed values that explain the group, as far as explanations are known, without the
+    /// group's own label.
     pub by: Vec<String>,
     /// The rows of the equations, from 1; the first is the example.
     pub rows: Vec<usize>,

@@ -79,7 +79,7 @@ impl From<Kind> for Status {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct Report {
-    /// [`Report::SCHEMA`].
+    /// The version of the schema: [`Report::SCHEMA`].
     pub schema: &'static str,
     /// Sizes of the system.
     pub input: InputSizes,
@@ -87,7 +87,7 @@ pub struct Report {
     pub status: Status,
     /// Rank of the free part of C.
     pub rank: usize,
-    /// Equations of each kind.
+    /// Number of equations of each kind.
     pub counts: Counts,
     /// Redundant and conflicting equations, ascending.
     pub dependent: Vec<DependentEquation>,
@@ -135,7 +135,7 @@ pub struct Report {
     /// Number of MPI ranks, for an analysis over several.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub ranks: Option<usize>,
-    /// The backend.
+    /// The backend that factored the blocks.
     pub backend: BackendUsed,
     /// Times in milliseconds.
     pub timings_ms: Milliseconds,

@@ -18,7 +18,7 @@ pub struct NearDependenceFinding {
     pub equations: Vec<NearEquation>,
 }
 
-/// A [`NearDependent`].
+/// A nearly dependent equation, as [`NearDependent`], with 1-based numbers and labels.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]

@@ -31,7 +31,7 @@ pub enum ChangeFinding {
         row: usize,
         /// The label of the equation.
         label: String,
-        /// The right-hand side.
+        /// The present right-hand side.
         from: f64,
         /// The right-hand side that cures the conflicts.
         to: f64,
@@ -45,7 +45,7 @@ pub enum ChangeFinding {
         /// The place of the value in the input; the key is absent if it is not known.
         #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
         place: Option<String>,
-        /// The value.
+        /// The present value.
         from: f64,
         /// The value that cures the conflicts.
         to: f64,

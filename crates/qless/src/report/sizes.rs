@@ -10,15 +10,15 @@ use crate::Form;
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct InputSizes {
-    /// Equations.
+    /// Number of equations.
     pub rows: usize,
-    /// All DOFs, including prescribed ones.
+    /// Number of DOFs, including prescribed ones.
     pub dofs: usize,
-    /// Coefficients that are not zero.
+    /// Number of coefficients that are not zero.
     pub nnz: usize,
-    /// Free DOFs.
+    /// Number of free DOFs.
     pub free: usize,
-    /// Prescribed DOFs.
+    /// Number of prescribed DOFs.
     pub prescribed: usize,
 }
 
@@ -34,16 +34,16 @@ impl InputSizes {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct Counts {
-    /// Kept equations.
+    /// Number of kept equations.
     pub independent: usize,
-    /// Equations that are combinations of kept ones and consistent with them.
+    /// Number of equations that are combinations of kept ones and consistent with them.
     pub redundant: usize,
-    /// Equations that are combinations of kept ones and conflict with them.
+    /// Number of equations that are combinations of kept ones and conflict with them.
     pub conflicting: usize,
 }
 
 impl Counts {
-    /// Equations of each kind.
+    /// Counts with these numbers of equations of each kind.
     pub fn new(independent: usize, redundant: usize, conflicting: usize) -> Self {
         Self { independent, redundant, conflicting }
     }
@@ -70,7 +70,7 @@ pub struct ReductionSizes {
     pub growth: f64,
     /// The residual of the reduced form: [`crate::Analysis::residual`].
     pub residual: f64,
-    /// Entries of T and G.
+    /// Number of entries of T and G.
     pub nnz: usize,
     /// Number of exchanges of a slave and a master that kept the growth within the bound.
     pub exchanges: usize,
@@ -91,7 +91,7 @@ pub struct FactoredSizes {
     pub slaves: usize,
     /// Number of masters of the part.
     pub masters: usize,
-    /// Number of entries of L, U, C_M and C_p.
+    /// Number of entries of the factors L and U and of the columns of masters and prescribed DOFs.
     pub nnz: usize,
     /// Estimate of the number of entries of T in the part if its rows were explicit.
     pub predicted: usize,
@@ -139,17 +139,17 @@ pub struct BackendUsed {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct Milliseconds {
-    /// Reading and checking the input.
+    /// Time of reading and checking the input.
     pub read: f64,
-    /// Scaling and presolve.
+    /// Time of scaling and presolve.
     pub presolve: f64,
-    /// The backend.
+    /// Time of the backend and of all computations with its factors.
     pub factor: f64,
-    /// Classification and generated boundary conditions.
+    /// Time of classification and of generated boundary conditions.
     pub classify: f64,
-    /// T, G and g.
+    /// Time of computing T, G and g.
     pub reduce: f64,
-    /// Total, including time outside of these stages.
+    /// Total time, including time outside of these stages.
     pub total: f64,
 }
 
@@ -159,7 +159,7 @@ pub(super) fn milliseconds(time: Duration) -> f64 {
 }
 
 impl BackendUsed {
-    /// Name and version as in [`backend::Backend`](crate::backend::Backend).
+    /// A backend with its name and version, as in [`backend::Backend`](crate::backend::Backend).
     pub fn new(name: &'static str, threads: usize, version: String) -> Self {
         Self { name, threads, version }
     }

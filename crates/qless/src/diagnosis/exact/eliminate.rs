@@ -1,4 +1,5 @@
-//! `row_k -= (a_kc / a_rc) row_r`: sparse elimination on residues, from the shortest row and its rarest column (Markowitz 1957).
+//! Sparse elimination on residues, `row_k -= (a_kc / a_rc) row_r`. The pivot is in the shortest row r and its rarest column c (Markowitz
+//! 1957).
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -42,15 +43,15 @@ struct EliminateWork {
     /// Remaining rows; a row that served as pivot is empty.
     rows: Vec<ModularRow>,
     rhs: Vec<u64>,
-    /// Rows that hold or once held each column.
+    /// For each column, the rows that hold or once held it.
     holders: Vec<Vec<u32>>,
     /// Number of remaining rows that hold each column.
     count: Vec<u32>,
     /// Columns that had one row when they were added here.
     singletons: Vec<u32>,
-    /// `(length, row)` at the time of adding, shortest first.
+    /// Rows with their lengths when they were added here, as `(length, row)`, shortest first.
     short: BinaryHeap<Reverse<(usize, u32)>>,
-    /// Entries for which the rows have capacity, and entries in `holders`.
+    /// Number of entries for which the rows have capacity. The next field is the number of entries in `holders`.
     room: usize,
     listed: usize,
     limit: usize,
@@ -89,7 +90,7 @@ impl EliminateWork {
         None
     }
 
-    /// Removes the pivot row and its column from the matrix.
+    /// Eliminates the column from all other rows, and removes the pivot row.
     fn eliminate(&mut self, row: u32, col: u32) -> Result<(), ExactError> {
         let Some(value) = self.rows[row as usize].get(col) else { return Ok(()) };
         let pivot = std::mem::take(&mut self.rows[row as usize]);
@@ -114,7 +115,7 @@ impl EliminateWork {
         Ok(())
     }
 
-    /// `rows[target] += factor pivot`, with its right-hand side.
+    /// Adds `factor pivot` to row `target`, with the right-hand side of the pivot row.
     fn add_multiple(&mut self, target: u32, factor: u64, pivot: &[ModularEntry], pivot_row: u32) {
         let mut sum = std::mem::take(&mut self.rows[target as usize]);
         self.room -= sum.room();

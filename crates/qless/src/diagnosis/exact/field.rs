@@ -2,21 +2,21 @@
 
 use crate::input::reading::Number;
 
-/// Arithmetic on residues. Zero is stored as 0; other stored values have a meaning only within this type.
+/// Arithmetic on residues modulo p. Zero is stored as 0; other stored values have a meaning only within this type.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::diagnosis) struct Field {
     p: u64,
-    /// `-1 / p mod 2^64`.
+    /// The constant `-1 / p mod 2^64` of Montgomery's multiplication.
     inverse: u64,
-    /// `2^128 mod p`.
+    /// The constant `2^128 mod p`, which converts numbers to stored residues.
     square: u64,
-    /// `1/2` and `1/10`.
+    /// The residue of 1/2. The next field is that of 1/10.
     half: u64,
     tenth: u64,
 }
 
 impl Field {
-    /// For an odd p below 2^62. Inverses need a prime; all else holds for every odd p.
+    /// The residues modulo an odd p below 2^62. Inverses need a prime; all else holds for every odd p.
     pub(in crate::diagnosis) fn new(p: u64) -> Self {
         debug_assert!(p % 2 == 1 && p < 1 << 62);
         // Newton's step doubles the number of correct bits: 3, 6, 12, 24, 48, 96.
@@ -46,29 +46,29 @@ impl Field {
         if number.negative { self.negative(size) } else { size }
     }
 
-    /// a + b.
+    /// The sum a + b.
     pub(in crate::diagnosis) fn add(&self, a: u64, b: u64) -> u64 {
         self.below(a + b)
     }
 
-    /// a - b.
+    /// The difference a - b.
     pub(in crate::diagnosis) fn sub(&self, a: u64, b: u64) -> u64 {
         self.below(a + self.p - b)
     }
 
-    /// -a.
+    /// The negative -a.
     pub(in crate::diagnosis) fn negative(&self, a: u64) -> u64 {
         self.sub(0, a)
     }
 
-    /// a b.
+    /// The product a b.
     pub(in crate::diagnosis) fn mul(&self, a: u64, b: u64) -> u64 {
         let product = u128::from(a) * u128::from(b);
         let multiple = (product as u64).wrapping_mul(self.inverse);
         self.below(((product + u128::from(multiple) * u128::from(self.p)) >> 64) as u64)
     }
 
-    /// a^exponent.
+    /// The power a^exponent.
     pub(in crate::diagnosis) fn power(&self, mut a: u64, mut exponent: u64) -> u64 {
         let mut result = self.of(1);
         while exponent > 0 {
@@ -81,7 +81,7 @@ impl Field {
         result
     }
 
-    /// 1 / a for a != 0, by Fermat.
+    /// The inverse 1 / a for a != 0, by Fermat's theorem.
     pub(in crate::diagnosis) fn inverse(&self, a: u64) -> u64 {
         self.power(a, self.p - 2)
     }
@@ -102,7 +102,7 @@ mod tests {
         drawn.chain([(1 << 61) - 1, (1 << 61) - 31, 11, 13]).map(Field::new).collect()
     }
 
-    /// Whole numbers of up to 60 bits.
+    /// Random whole numbers of up to 60 bits.
     fn numbers(seed: u64, count: usize) -> Vec<u64> {
         randoms(seed).map(|x| (x * (1_u64 << 60) as f64) as u64).take(count).collect()
     }

@@ -1,12 +1,13 @@
-//! `rank C_f` and `rank [C_f | b - C_p u_p]` in exact arithmetic, modulo two primes drawn at random.
+//! `rank C_f` and `rank [C_f | b - C_p u_p]` in exact arithmetic, modulo two primes drawn at random. C_f and C_p are the columns of free
+//! and of prescribed DOFs.
 //!
 //! This rank has no tolerance: an equation is exactly a combination of others, or it is not. So exact arithmetic decides a rank that the
 //! floating-point analysis calls ambiguous, provided that the numbers are exact as given. Equations that were rounded before they were
 //! typed (0.3333 for 1/3) are not exactly dependent; for these the floating-point rank is the intended one.
 //!
 //! # How sure
-//! A matrix of whole numbers, rows scaled by a power of ten (or two), has modulo p its exact rank or a smaller one, never a larger
-//! one. The rank is smaller only if p divides every minor of the size of the rank. A double is a whole
+//! Take a matrix of whole numbers, whose rows may be scaled by powers of ten or two. Its rank modulo p is the exact rank or smaller, never
+//! larger. It is smaller only if p divides every minor of the size of the rank. A double is a whole
 //! number below 10^17 times a power of ten between -324 and 308, so each row of such a minor is below `2^2177` in 2-norm (for at
 //! most 2^32 DOFs), and by Hadamard a minor of size r is below `2^(2177 r)`. At most `2177 r / 60 < 40 r` primes above 2^60 divide it;
 //! `[C_f | b - C_p u_p]`, whose last column holds products, adds less than 120 to that. Of the primes between 2^60 and 2^61
@@ -114,12 +115,12 @@ pub enum ExactError {
         rows: usize,
         /// Number of stored coefficients when elimination was given up.
         fill: usize,
-        /// [`Settings::fill`](Settings::fill).
+        /// The limit: [`Settings::fill`](Settings::fill).
         limit: usize,
     },
 }
 
-/// `rank C_f` and `rank [C_f | b - C_p u_p]`; see [`rank`](rank()).
+/// The ranks of `C_f` and `[C_f | b - C_p u_p]`, computed by [`rank`](rank()). `C_f` are the columns of free DOFs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct ExactRank {

@@ -5,15 +5,16 @@
 
 use crate::Csr;
 
-/// The remaining part of `C_f`, and the equations that were removed.
+/// What remains of `C_f` (the columns of free DOFs), and the equations that were removed.
 pub(super) struct Peeled {
     /// Equations with a DOF that occurs in no remaining equation: independent, whatever their coefficients are.
     pub(super) rows: Vec<u32>,
-    /// `(equation, DOF)`; all other DOFs of the equation are prescribed, or fixed by an earlier equation of this list.
+    /// Equations that fix a DOF, as `(equation, DOF)`. All other DOFs of the equation are prescribed, or fixed by an earlier equation of
+    /// this list.
     pub(super) fixing: Vec<(u32, u32)>,
     /// The remaining equations.
     pub(super) rest: Vec<u32>,
-    /// By DOF, true if it is still unknown: neither prescribed nor fixed.
+    /// For each DOF, true if it is still unknown: neither prescribed nor fixed.
     pub(super) unknown: Vec<bool>,
 }
 
@@ -36,12 +37,12 @@ struct PeelWork<'a> {
     /// The rows of each column: `holder[start[j]..start[j + 1]]`.
     start: Vec<usize>,
     holder: Vec<u32>,
-    /// By DOF, the number of remaining rows that contain it; by row, the number of its unknown DOFs.
+    /// For each DOF, the number of remaining rows that contain it. The next field is the number of unknown DOFs of each row.
     holders: Vec<u32>,
     length: Vec<u32>,
     taken: Vec<bool>,
     unknown: Vec<bool>,
-    /// Columns and rows that were singletons when they were added here.
+    /// Columns that were singletons when they were added here. The next field lists such rows.
     columns: Vec<u32>,
     rows: Vec<u32>,
     peeled: Vec<u32>,

@@ -22,7 +22,7 @@ pub(in crate::diagnosis) fn two(seed: u64) -> [u64; 2] {
 
 /// Number of primes in the list of [`first`].
 const KNOWN: usize = 64;
-/// Seed of the list.
+/// Seed of the list of primes in [`first`].
 const SEED: u64 = 0x7072_696d;
 
 /// The first `count` primes of a fixed list of 64 different primes in `2^60..2^61`.
@@ -59,7 +59,7 @@ pub(in crate::diagnosis) fn is_prime(n: u64) -> bool {
     BASES.iter().all(|&base| passes(&field, n, base))
 }
 
-/// `base^d = 1` or `base^(d 2^k) = -1` for a k below s, with `n - 1 = d 2^s` and d odd: true for every prime n.
+/// Miller-Rabin test: `base^d = 1` or `base^(d 2^k) = -1` for a k below s, where `n - 1 = d 2^s` and d is odd. True for every prime n.
 fn passes(field: &Field, n: u64, base: u64) -> bool {
     let twos = (n - 1).trailing_zeros();
     let (one, minus_one) = (field.of(1), field.of(n - 1));

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use super::field::Field;
 
-/// `(column, residue)`.
+/// An entry of a row, as `(column, residue)`.
 pub(in crate::diagnosis) type ModularEntry = (u32, u64);
 
 /// If a row is this many times longer than the row added to it, a binary search for each added column is cheaper than merging both rows.
@@ -20,16 +20,16 @@ pub(in crate::diagnosis) enum Change {
 /// A sparse row. Cancelled coefficients stay as zeros, and new ones are stored separately, until there are many of either.
 #[derive(Clone, Debug, Default)]
 pub(in crate::diagnosis) struct ModularRow {
-    /// Ascending by column.
+    /// Older coefficients, ascending by column; zeros are cancelled ones.
     entries: Vec<ModularEntry>,
-    /// Ascending by column; none is in `entries`.
+    /// Newer coefficients, ascending by column; their columns are not in `entries`.
     late: Vec<ModularEntry>,
-    /// Coefficients that are not zero.
+    /// Number of coefficients that are not zero.
     live: usize,
 }
 
 impl ModularRow {
-    /// From entries that ascend by column, none of them 0.
+    /// A row with these entries, which must ascend by column and must not be 0.
     pub(in crate::diagnosis) fn new(entries: Vec<ModularEntry>) -> Self {
         Self { live: entries.len(), entries, late: Vec::new() }
     }
@@ -39,7 +39,7 @@ impl ModularRow {
         self.live
     }
 
-    /// Entries for which memory is allocated.
+    /// Number of entries for which memory is allocated.
     pub(in crate::diagnosis) fn room(&self) -> usize {
         self.entries.capacity() + self.late.capacity()
     }
@@ -61,7 +61,7 @@ impl ModularRow {
         self.entries
     }
 
-    /// `row += factor pivot`; calls `changed` for coefficients that appear or vanish.
+    /// Adds `factor pivot` to the row; calls `changed` for coefficients that appear or vanish.
     pub(in crate::diagnosis) fn add(
         &mut self,
         field: &Field,

@@ -9,7 +9,7 @@ use crate::common::DisjointSets;
 use crate::input::reading::Number;
 use crate::{ConstraintSystem, Csr};
 
-/// See [`super::rank()`].
+/// Computes the exact rank of [`super::rank()`].
 pub(super) fn rank(system: &ConstraintSystem, settings: Settings) -> Result<ExactRank, ExactError> {
     let mut free = vec![true; system.dofs()];
     system.prescribed().iter().for_each(|&(dof, _)| free[dof] = false);
@@ -89,7 +89,7 @@ impl ExactRemainder<'_> {
         values
     }
 
-    /// `b_i - sum_j c_ij u_j` over the DOFs with known values.
+    /// The right-hand side of equation i without the terms of DOFs with known values: `b_i - sum_j c_ij u_j`.
     fn right_hand_side(&self, field: &Field, row: u32, values: &[u64]) -> u64 {
         let matrix = self.system.matrix().row(row as usize);
         let known = matrix.filter(|&(j, _)| values[j] != 0);

@@ -17,7 +17,7 @@ const UNTOLD: f64 = 0.3;
 const LOSS: f64 = 3.0;
 /// A row must agree with its combination to at least this many decimal digits to be nearly dependent.
 const LEAST_DIGITS: u32 = 2;
-/// A row can be exchanged for a term whose size is at least this fraction of the row.
+/// A row can be exchanged for the row of a term whose size is at least this fraction of the row.
 const NEUTRAL: f64 = 0.9;
 /// Largest number of digits of a double.
 const DIGITS: f64 = 16.0;
@@ -25,14 +25,14 @@ const DIGITS: f64 = 16.0;
 /// A row as a combination of kept ones; row numbers are those within their part.
 pub(super) struct NearCombination {
     pub row: usize,
-    /// `y_i` by row.
+    /// The coefficients `y_i`, by row i.
     terms: BTreeMap<usize, f64>,
-    /// As in [`NearDependent`].
+    /// As [`NearDependent::distance`].
     pub distance: f64,
 }
 
 impl NearCombination {
-    /// The least-squares fit by the triangular factor of the kept rows, without Q: two steps `y <- y + R^-1 R^-T C d` from y = 0.
+    /// The least-squares fit by the triangular factor R of the kept rows C, without Q: two steps `y <- y + R^-1 R^-T C d` from y = 0.
     pub fn fit(part: &ScaledEquations, factor: &Factor, columns: &Csr, kept: &[usize], row: usize) -> Self {
         let mut rest = dense(part, row);
         let mut y = vec![0.0; kept.len()];
@@ -69,8 +69,8 @@ impl NearCombination {
         self.distance <= limit && self.digits(part) >= LEAST_DIGITS
     }
 
-    /// By DOF: the difference d, its largest term and, if only one equation contains the DOF, the coefficient of the DOF relative to the
-    /// largest coefficient of that equation.
+    /// For each DOF, the difference d, its largest term and, if only one equation contains the DOF, the coefficient of the DOF relative to
+    /// the largest coefficient of that equation.
     fn rest(&self, part: &ScaledEquations) -> BTreeMap<usize, (f64, f64, Option<f64>)> {
         let mut rest: BTreeMap<usize, (f64, f64, Option<f64>)> = BTreeMap::new();
         let mut add = |row: usize, y: f64| {
@@ -126,13 +126,13 @@ impl NearCombination {
     }
 }
 
-/// Keeps the earlier ones of nearly equivalent rows.
+/// Exchanges rows so that, among nearly equivalent rows, the earlier ones are kept.
 pub(super) fn in_order(part: &ScaledEquations, found: &mut [NearCombination]) {
     let mut holders: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     for (k, c) in found.iter().enumerate() {
         c.terms.keys().for_each(|&i| holders.entry(i).or_default().push(k));
     }
-    // Each exchange replaces a dropped row by a later one.
+    // Each exchange replaces a dropped row by a later one, so the exchanges end; the budget limits their number.
     let mut budget = 4 * found.len() + 16;
     for k in 0..found.len() {
         while let Some(term) = found[k].later(part).filter(|_| budget > 0) {

@@ -1,20 +1,20 @@
-//! The equations of one connected part, scaled to one size, and the choice of equations that matter for near dependence.
+//! The equations of one connected part, scaled to the same size, and the choice of equations that matter for near dependence.
 
 use crate::Csr;
 use crate::input::numbering::LocalSystem;
 use crate::input::scale::{Scaling, exponent, ldexp};
 
-/// Rows scaled to one size, over the DOFs of their part.
+/// Rows over the DOFs of their part, each scaled to a largest coefficient in `[1, 2)`.
 pub(super) struct ScaledEquations {
     /// For each row of `matrix`, its number in the user's system; ascending.
     pub rows: Vec<u32>,
-    /// By row, the exponent of the power of two that multiplies the row.
+    /// For each row, the exponent of the power of two that multiplies the row.
     pub exponents: Vec<i32>,
     pub matrix: Csr,
 }
 
 impl ScaledEquations {
-    /// `number` has an entry for each DOF; no DOF of these rows belongs to another part.
+    /// Scales rows and numbers their DOFs. `number` has an entry for each DOF of the system; no DOF of these rows belongs to another part.
     pub fn new(system: LocalSystem, rows: Vec<u32>, scaling: &Scaling, number: &mut [u32]) -> Self {
         let mut entries = Vec::new();
         let (mut starts, mut exponents) = (vec![0], Vec::new());

@@ -32,8 +32,8 @@ pub struct NearDependence {
 pub struct NearDependent {
     /// The equation, 0-based.
     pub row: usize,
-    /// Decimals to which it and the combination agree: `floor(-log10 max_j |c_kj - sum_i y_i c_ij| / p_j)`, where `p_j` is the largest
-    /// term of the difference at DOF j or, if only one equation contains DOF j, the largest term of this equation at any DOF.
+    /// Decimals to which the equation and the combination agree: `floor(-log10 max_j |c_kj - sum_i y_i c_ij| / p_j)`. Here `p_j` is the
+    /// largest term of the difference at DOF j or, if only one equation contains DOF j, the largest term of this equation at any DOF.
     pub digits: u32,
     /// About the smallest change of one coefficient that makes the equation a combination, relative to its largest coefficient (within a
     /// factor of 2): `|d|^2 / max |d_j|` for the difference d.
@@ -47,7 +47,7 @@ const SMALL: usize = 1 << 20;
 
 /// Rows with a remainder below this are candidates; rounding two coefficients of 1 to three decimals leaves less.
 const NEAR: f64 = 1e-2;
-/// The kept rows must be this many times farther from dependence than the other ones.
+/// The distance of the kept rows from dependence must be at least this many times that of the other rows.
 const GAP: f64 = 30.0;
 
 impl NearDependence {
@@ -178,7 +178,7 @@ impl ScaledEquations {
     }
 }
 
-/// A limit in the widest gap between distances.
+/// A limit in the middle of the widest gap between distances.
 fn widest(found: &[NearCombination]) -> f64 {
     let mut distances: Vec<f64> = found.iter().map(|c| c.distance.max(f64::MIN_POSITIVE)).collect();
     distances.sort_unstable_by(f64::total_cmp);

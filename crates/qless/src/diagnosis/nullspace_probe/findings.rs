@@ -1,4 +1,4 @@
-//! The findings of a pass, and the limits above which a row or its slave is not reliable.
+//! The findings of a pass over the kept equations, and the limits above which a row or its slave is not reliable.
 
 /// If a slave moves more than this for masters of size 1, coefficients have grown during substitution: presolve's rows may have lost three
 /// digits or more.
@@ -10,13 +10,13 @@ const WEAK: f64 = 3e4;
 /// this. Below this limit, enough of the sixteen digits of a double remain for a tolerance of 1e-10.
 const FAR: f64 = 1e5;
 
-/// A sample that is within this factor of its limit is drawn again, with numbers that depend on the component alone.
+/// A probe above this fraction of its limit is repeated with random numbers that depend on the component alone.
 const NEARLY: f64 = 0.1;
 
-/// Rows of `C_S^-1` up to this size need no closer estimate.
+/// If the rows of `C_S^-1` (C_S: the columns of the slaves) are no larger than this, they need no closer estimate.
 const HARMLESS: f64 = 8.0;
 
-/// The findings of a pass.
+/// The findings of a pass over the kept equations.
 #[derive(Default)]
 pub(crate) struct NullspaceProbe {
     /// Largest value of a slave for right-hand sides of size 1: a bound from the entries of `C_S^-1`, or a random sample. C_S holds the
@@ -55,7 +55,7 @@ impl NullspaceProbe {
     }
 }
 
-/// False for NaN.
+/// Returns true if `x <= limit`; false for NaN.
 #[inline]
 fn is_at_most(x: f64, limit: f64) -> bool {
     x <= limit

@@ -23,13 +23,13 @@ pub(crate) enum ProbeSample {
     Second,
 }
 
-/// Estimate of the rows of `C_S^-1`.
+/// How the rows of `C_S^-1` are estimated. C_S holds the columns of the slaves in the kept equations.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum InverseEstimate {
     /// Upper bound of the sum of magnitudes of each row, by substitution with the magnitudes of all coefficients. It depends on the
     /// component alone, not on random numbers.
     Bound,
-    /// The value for random right-hand sides.
+    /// The value of each slave for random right-hand sides.
     Sample,
 }
 
@@ -50,7 +50,7 @@ pub(crate) fn probe(
     }
 }
 
-/// The input of a pass.
+/// The input of a pass over the kept equations.
 struct ProbePass<'a> {
     system: LocalSystem<'a>,
     basis: &'a Basis,
@@ -103,13 +103,14 @@ impl ProbePass<'_> {
 pub struct State {
     /// The value of the DOF for the random masters; exactly zero if the terms of its row cancel to rounding.
     pub u: f64,
-    /// Its value in scaled units for random right-hand sides. It is 0 only for masters, prescribed DOFs, and slaves whose value is
-    /// not known yet.
+    /// The value of the DOF in scaled units for random right-hand sides. It is 0 only for masters, prescribed DOFs, and slaves whose value
+    /// is not known yet.
     pub w: f64,
 }
 
-/// Random masters and zero prescribed DOFs. In the second sample each value is divided by the DOF's largest coefficient, measured as a
-/// power of two relative to the largest of its equation, so that a motion with small coefficients is not lost beside others.
+/// The states at the start: masters are random, prescribed DOFs are zero. In the second sample each value is divided by the DOF's largest
+/// coefficient, measured as a power of two relative to the largest of its equation, so that a motion with small coefficients is not lost
+/// beside others.
 pub fn start(system: LocalSystem, scaling: &Scaling, keys: &RandomKeys, which: ProbeSample, seed: u64) -> Vec<State> {
     let master = |j: usize| State { u: ldexp(signed(!seed, keys.dof(j)), scaling.col(j)), w: 0.0 };
     let plain = |j: usize| State { u: signed(!seed, keys.dof(j)), w: 0.0 };
@@ -125,7 +126,7 @@ pub fn start(system: LocalSystem, scaling: &Scaling, keys: &RandomKeys, which: P
     states
 }
 
-/// By DOF, the power of two of its largest scaled coefficient, relative to the largest of the equation; 0 without coefficients.
+/// For each DOF, the exponent of its largest scaled coefficient, relative to the largest of the equation; 0 without coefficients.
 fn exponents(system: LocalSystem, scaling: &Scaling) -> Vec<i32> {
     let mut most = vec![None; system.dofs()];
     for i in 0..system.equations() {
@@ -157,13 +158,14 @@ pub fn apart_from_zero(sample: f64) -> f64 {
 
 /// Sums over the terms of a row.
 pub struct Sums {
-    /// `sum_k value_k u_k`.
+    /// The value of the slave for random masters: `sum_k value_k u_k`.
     pub moves: f64,
     /// The largest term of `moves`.
     pub size: f64,
-    /// `sum_k value_k w_k` in scaled columns; if `SIZES` is true, the sum of the magnitudes of these terms.
+    /// The value of the slave for random right-hand sides: `sum_k value_k w_k` in scaled columns. If `SIZES` is true, the sum of the
+    /// magnitudes of these terms.
     pub sample: f64,
-    /// `max_k |value_k|`; infinite if a slave is among the DOFs.
+    /// A bound of the row of T: `max_k |value_k|`, or infinity if a slave is among the DOFs.
     pub bound: f64,
 }
 

@@ -19,7 +19,7 @@ pub(crate) struct RandomKeys {
 }
 
 impl RandomKeys {
-    /// Places within components.
+    /// The keys that are places within components.
     pub fn within_components(labels: &Labels, system: LocalSystem) -> Self {
         let (mut next_row, mut next_dof) = (vec![0; labels.count], vec![0; labels.count]);
         let mut rows = Vec::with_capacity(labels.of_row.len());
@@ -54,7 +54,7 @@ impl RandomKeys {
     }
 }
 
-/// `L^-1` times a random right-hand side, by step; L holds the factors of the elimination steps.
+/// The product of `L^-1` and a random right-hand side, by step; L holds the factors of the elimination steps.
 pub fn random_step_sides(history: &History, keys: &RandomKeys, seed: u64) -> Vec<f64> {
     let mut right: Vec<f64> = Vec::with_capacity(history.steps.len());
     for &row in &history.steps {
@@ -64,7 +64,7 @@ pub fn random_step_sides(history: &History, keys: &RandomKeys, seed: u64) -> Vec
     right
 }
 
-/// By step, an upper bound of the sum of magnitudes in its row of `L^-1`.
+/// For each step, an upper bound of the sum of magnitudes in its row of `L^-1`; L holds the factors of the elimination steps.
 pub fn sizes_of_inverse(history: &History) -> Vec<f64> {
     let mut bounds: Vec<f64> = Vec::with_capacity(history.steps.len());
     for &row in &history.steps {
@@ -79,7 +79,7 @@ fn after(own: f64, factors: &[(u32, f64)], steps: &[f64]) -> f64 {
     own - factors.iter().map(|&(step, factor)| factor * steps[step as usize]).sum::<f64>()
 }
 
-/// A random right-hand side after elimination, for every row of the core. The blocks compute their samples from it.
+/// For every row of the core, a random right-hand side after elimination. The blocks compute their samples from it.
 pub(crate) fn random_sides(eliminated: &Eliminated, keys: &RandomKeys) -> Vec<f64> {
     let own = |row: u32| signed(SEEDS[0], keys.row(eliminated.names[row as usize]));
     let mut steps: Vec<f64> = Vec::with_capacity(eliminated.steps.len());

@@ -134,7 +134,7 @@ impl<'a> Explanation<'a> {
         Some(found)
     }
 
-    /// The coefficients of free DOFs, and `b_i - sum_p row_ip u_p`.
+    /// Modulo a prime: the coefficients of free DOFs, and the right-hand side `b_i - sum_p row_ip u_p` without prescribed terms.
     fn residues(&self, field: &Field, i: usize) -> (Vec<(usize, u64)>, u64) {
         let residue = |value| field.residue(self.read(value));
         let (mut entries, mut side) = (Vec::with_capacity(self.system.length(i)), residue(self.system.rhs()[i]));

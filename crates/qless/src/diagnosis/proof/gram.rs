@@ -23,7 +23,7 @@ const SHIFT: f64 = f64::EPSILON * 4.0;
 const FEW: usize = 16;
 /// A computed sum of positive numbers is a bound after multiplication by this factor, which exceeds the effect of its roundings.
 const SLACK: f64 = 1.0 + 1e-6;
-/// Bytes of an entry of L.
+/// Bytes of an entry of the factor L.
 const BYTES: usize = 16;
 
 /// Returns false if independence could not be proved, also because of a lack of `memory` (in bytes).
@@ -45,14 +45,14 @@ struct ScaledCore {
     rows: Vec<Vec<(u32, f64)>>,
 }
 
-/// L by columns, without its diagonal.
+/// The Cholesky factor L: its diagonal, and its other entries by columns.
 struct GramFactor {
     diagonal: Vec<f64>,
     columns: Vec<Vec<(u32, f64)>>,
 }
 
 impl ScaledCore {
-    /// None if coefficients are so small, or of such different size, that they lose digits.
+    /// Scales and orders the equations of a core. None if coefficients are so small, or of such different size, that they lose digits.
     fn new(core: &Core, is_balanced: bool) -> Option<Self> {
         let mut dofs: Vec<u32> = core.entries.iter().flatten().map(|&(j, _)| j).collect();
         dofs.sort_unstable();
@@ -163,7 +163,7 @@ impl ScaledCore {
         Some(factor)
     }
 
-    /// The largest sum of errors of a row, relative to its diagonal entry.
+    /// The largest sum of rounding errors of a row, relative to its diagonal entry.
     fn rounding(&self, factor: &GramFactor) -> f64 {
         let of_product = gamma(self.rows.iter().map(Vec::len).max().unwrap_or(0) + 3);
         let mut of_dofs = vec![0.0; self.dofs];
@@ -182,7 +182,7 @@ impl ScaledCore {
 }
 
 impl GramFactor {
-    /// The number of entries in each row of L, and `|L| |L|^T e`.
+    /// The number of entries in each row of L, and `|L| |L|^T e`, where e is the vector of ones.
     fn row_sums(&self) -> (Vec<usize>, Vec<f64>) {
         let sum = |(d, column): (&f64, &Vec<(u32, f64)>)| d + column.iter().map(|(_, l)| l.abs()).sum::<f64>();
         let of_columns: Vec<f64> = self.diagonal.iter().zip(&self.columns).map(sum).collect();
@@ -204,7 +204,7 @@ const NONE: u32 = u32::MAX;
 /// of the matrix up to k.
 struct EliminationTree {
     parent: Vec<u32>,
-    /// The last row whose path contained this node.
+    /// For each node, the last row whose path contained it.
     seen: Vec<u32>,
 }
 
@@ -249,7 +249,7 @@ mod tests {
                 is_independent(&core(&rows.iter().map(Vec::as_slice).collect::<Vec<_>>()), usize::MAX)
             };
             assert!(proved(&rows), "{size}");
-            // The rounded sum of two rows, and the same with a difference too small for the bound.
+            // Appends the rounded sum of two rows, and then changes it by a difference that is too small for the bound.
             rows.push(rows[0].iter().zip(&rows[1]).map(|(a, b)| a + b).collect());
             assert!(!proved(&rows), "{size}");
             rows[size][0] *= 1.0 + 1e-12;

@@ -219,7 +219,7 @@ const ROUNDING: f64 = f64::EPSILON * 64.0;
 fn is_combination(analysis: &Analysis, row: usize, terms: &[CertificateTerm]) -> bool {
     let n = (terms.len() + 2) as f64 * f64::EPSILON;
     let is_rounding = |&(left, size): &(f64, f64)| {
-        // Products below this lose digits.
+        // Products below 1e-290 may lose digits.
         let is_in_range = size == 0.0 || size > 1e-290 && size.is_finite();
         is_in_range && left.abs() * (1.0 + 2.0 * f64::EPSILON) + n * n * size <= ROUNDING * size
     };

@@ -25,7 +25,7 @@ impl NumberSize {
     }
 
     /// The common denominator of all products of a number of `self` and one of `other`. The sum stays that of `self`, so its sizes must
-    /// include both factors.
+    /// already include both factors.
     pub fn times(self, other: Self) -> Self {
         Self { tens: self.tens + other.tens, twos: self.twos + other.twos, ..self }
     }

@@ -6,9 +6,9 @@ use crate::input::scale::{exponent, ldexp};
 /// A coefficient of a certificate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Rational {
-    /// `± p 2^k`.
+    /// The numerator `± p 2^k`.
     pub numerator: Number,
-    /// q.
+    /// The denominator q.
     pub denominator: u64,
 }
 

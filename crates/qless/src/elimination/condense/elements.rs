@@ -1,4 +1,5 @@
-//! Assembles elements directly into the condensed matrix, without K: `K_q += L_e^T K_e L_e`, `f_q += L_e^T (f_e - K_e u_0)`.
+//! Assembles elements directly into the condensed matrix, without K: `K_q += L_e^T K_e L_e`, `f_q += L_e^T (f_e - K_e u_0)`. `K_e` and
+//! `f_e` are the matrix and the forces of element e, and `L_e` holds the rows of L of its DOFs.
 
 use std::ops::Range;
 
@@ -11,7 +12,7 @@ use crate::common::argument::{long, numbers, within};
 use crate::elimination::view::{Storage, View};
 use crate::elimination::{Elimination, EliminationError};
 
-/// A range of lines of K_q, with its entries of f_q.
+/// A range of lines (rows or columns) of K_q, with the entries of f_q that belong to it.
 struct LineRange<'a> {
     lines: Range<usize>,
     values: &'a mut [f64],
@@ -92,20 +93,21 @@ fn pattern<D: AsRef<[usize]>>(
     Ok((starts, index))
 }
 
-/// The numbers of one element.
+/// One element: its DOFs, its matrix `K_e` and its forces `f_e`.
 struct Element<'a> {
     dofs: &'a [usize],
-    /// By rows.
+    /// `K_e`, stored by rows.
     matrix: &'a [f64],
     forces: &'a [f64],
 }
 
 impl CondensedPattern {
-    /// Adds an element with its DOFs, `K_e` by rows and `f_e` to K_q and f_q. For a symmetric matrix only the stored half is written.
+    /// Condenses the matrix `K_e` (by rows) and the forces `f_e` of an element with these DOFs, and adds them to K_q and f_q. If K_q is
+    /// symmetric, only its stored half is written.
     ///
     /// # Errors
-    /// [`ArgumentError`] for wrong lengths, a DOF that is out of range, numbers that are not finite, another elimination, or an entry that
-    /// is not in the pattern; K_q and f_q are then invalid.
+    /// [`ArgumentError`] for wrong lengths, a DOF that is out of range, numbers that are not finite, an elimination that did not make this
+    /// pattern, or an entry that is not in the pattern; K_q and f_q are then invalid.
     pub fn add_element(
         &self,
         elimination: &Elimination,
@@ -120,10 +122,10 @@ impl CondensedPattern {
         self.add(elimination, &element, &mut LineRange { lines: 0..self.unknowns(), values: k_q, load: f_q })
     }
 
-    /// Computes `K_q` and `f_q` from all elements. Element e has DOFs `dofs(e)`, and `element(e, matrix, forces)` writes its numbers to
-    /// arrays of zeros. Each thread computes a range of rows of K_q, or of columns if K is stored by columns, from the elements that
-    /// contribute to it. An element that contributes to several ranges is computed once by each of their threads. Elements are added in
-    /// their order, so the result is the same to the last bit for every number of threads.
+    /// Computes `K_q` and `f_q` from all elements. Element e has DOFs `dofs(e)`, and `element(e, matrix, forces)` writes its matrix and
+    /// forces to arrays of zeros. Each thread computes a range of rows of K_q, or of columns if K is stored by columns, from the elements
+    /// that contribute to it. An element that contributes to several ranges is computed once by each of their threads. Elements are added
+    /// in their order, so the result is the same to the last bit for every number of threads.
     ///
     /// # Errors
     /// As [`CondensedPattern::add_element`].
@@ -175,7 +177,7 @@ impl CondensedPattern {
         Ok(element)
     }
 
-    /// Returns true if DOF j contributes to these lines.
+    /// Returns true if DOF j contributes to one of these lines of K_q.
     fn touches(&self, j: usize, lines: &Range<usize>) -> bool {
         self.row_of_l(j).any(|(r, _)| lines.contains(&(r as usize)))
     }
@@ -199,7 +201,7 @@ impl CondensedPattern {
         Ok(())
     }
 
-    /// `K_q(q, :) += weight row L`.
+    /// `K_q(q, :) += weight row L`, where `row` is a row of the matrix of an element.
     fn add_row(
         &self,
         q: usize,
@@ -211,7 +213,7 @@ impl CondensedPattern {
         let (line, base) = (self.lines.range(q), self.lines.starts[range.lines.start] as usize);
         let index = &self.lines.index[line.clone()];
         let values = &mut range.values[line.start - base..line.end - base];
-        // The DOFs of a node are adjacent, so most entries follow the previous one.
+        // The DOFs of a node are adjacent, so the place after the previous entry is usually right and saves a search.
         let mut next = 0;
         for (&j, &v) in dofs.iter().zip(row) {
             for (r, l) in self.row_of_l(j).filter(|&(r, _)| self.is_stored(q, r)) {

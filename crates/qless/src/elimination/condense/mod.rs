@@ -43,7 +43,8 @@ pub struct CondensedPattern {
     prescribed: PrescribedDofs,
     storage: Storage,
     by_columns: bool,
-    /// The stored half by lines: line q holds index r if `half` holds `(q, r)`. It is `storage`, transposed if lines are columns.
+    /// The stored half in terms of lines: line q of K_q contains index r if `half` holds `(q, r)`. It is `storage` if lines are rows, and
+    /// its transpose if lines are columns.
     half: Storage,
     /// L: a row for each slave, over the unknowns of K_q.
     l: Csr,
@@ -51,7 +52,7 @@ pub struct CondensedPattern {
     slaves_of: Csr,
     /// DOF of each unknown, ascending.
     dofs: Vec<usize>,
-    /// Unknown of each DOF; [`NONE`] for eliminated DOFs.
+    /// For each DOF, the number of its unknown; [`NONE`] for eliminated DOFs.
     number: Vec<u32>,
     /// Row of `l` of each DOF; [`NONE`] for DOFs that are not eliminated slaves.
     slave: Vec<u32>,
@@ -155,7 +156,7 @@ impl CondensedPattern {
         &self.lines.starts
     }
 
-    /// Indices of the lines of K_q, ascending within each.
+    /// Indices of the lines of K_q, ascending within each line.
     pub fn index(&self) -> &[u32] {
         &self.lines.index
     }
@@ -184,7 +185,7 @@ impl CondensedPattern {
         })
     }
 
-    /// The stored half, which is that of K.
+    /// The half of K_q that is stored: the same half as of K.
     pub fn storage(&self) -> Storage {
         self.storage
     }
@@ -214,7 +215,7 @@ impl CondensedPattern {
     /// ```
     ///
     /// # Errors
-    /// [`ArgumentError`] for a DOF that is out of range, a number that is not finite, or another elimination.
+    /// [`ArgumentError`] for a DOF that is out of range, a number that is not finite, or an elimination that did not make this pattern.
     pub fn equation(
         &self,
         elimination: &Elimination,
@@ -254,7 +255,7 @@ impl CondensedPattern {
         unknowns.iter().copied().zip(values.iter().copied())
     }
 
-    /// `u_0` of a DOF; zero for an unknown.
+    /// `u_0` of an eliminated DOF; zero for an unknown.
     fn shift(&self, elimination: &Elimination, dof: usize) -> f64 {
         if self.number[dof] != NONE {
             return 0.0;

@@ -9,19 +9,19 @@ use crate::elimination::view::{Index, Storage, View};
 /// The sources of the values of K_q.
 #[derive(Clone, Debug, Default)]
 pub(super) struct CondensePlan {
-    /// Number of entries of K.
+    /// Number of stored entries of K.
     pub entries: usize,
-    /// Source of the line of each unknown.
+    /// For each unknown, the source of its line of K_q.
     pub source: Vec<LineSource>,
-    /// Entries of the lines that are not copied.
+    /// The entries of K in the lines that are not copied.
     pub mixed: Entries,
-    /// Entries of the lines of slaves.
+    /// The entries of K in the lines of the slaves.
     pub of_slaves: Entries,
     /// Each eliminated prescribed DOF with the entries of its line, if `K u_0` is summed by columns.
     pub of_prescribed: Vec<(u32, Entries)>,
     /// True if K is stored by columns with all entries, so that it need not be symmetric.
     pub by_columns: bool,
-    /// Pattern of `W = K_S L`.
+    /// Pattern of `W = K_S L`, where K_S holds the lines of the slaves in K.
     pub w: Lines,
 }
 
@@ -30,11 +30,12 @@ pub(super) struct CondensePlan {
 pub(super) enum LineSource {
     /// A copy of consecutive entries of K, starting at this one.
     Copied(u32),
-    /// A sum: this line of [`CondensePlan::mixed`] times L, and the lines of W of the slaves that depend on the unknown.
+    /// A sum: this line of [`CondensePlan::mixed`] times L, plus the lines of W ([`CondensePlan::w`]) of the slaves that depend on the
+    /// unknown.
     Mixed(u32),
 }
 
-/// By line, the index of each entry in the values of K, and the DOF of the other index of this entry.
+/// Entries of K by lines. Each entry is given by its index in the values of K and by its column (its row, if lines are columns).
 #[derive(Clone, Debug)]
 pub(super) struct Entries {
     starts: Vec<usize>,
@@ -59,7 +60,7 @@ impl Entries {
 }
 
 impl CondensedPattern {
-    /// Computes the pattern and the plan.
+    /// Computes the pattern of K_q and the plan for its values.
     pub(super) fn plan<P: Index, I: Index>(&mut self, slaves: &[usize], k: View<P, I>) -> Result<(), EliminationError> {
         let many = |found| EliminationError::Matrix(SystemError::TooLarge { what: "the number of entries", found });
         if u32::try_from(k.nnz()).is_err() {
@@ -77,7 +78,7 @@ impl CondensedPattern {
         };
         let mut union = Union::new(self.unknowns());
         for (i, &dof) in slaves.iter().enumerate() {
-            // A slave of a factored part is an unknown.
+            // A slave of a factored part is an unknown, so it has a number and is not eliminated.
             let is_eliminated = self.number[dof] == NONE;
             plan.of_slaves.push(entries(dof).filter(|_| is_eliminated));
             plan.of_slaves.line(i).iter().for_each(|&(_, j)| self.reached(j, &mut union, |_| true));
@@ -120,7 +121,7 @@ impl CondensedPattern {
         Ok(())
     }
 
-    /// Adds the unknowns in row j of L.
+    /// Adds the unknowns in row j of L to `union`, except those for which `stored` is false.
     fn reached(&self, j: u32, union: &mut Union, stored: impl Fn(u32) -> bool) {
         self.row_of_l(j as usize).map(|(r, _)| r).filter(|&r| stored(r)).for_each(|r| union.add(r));
     }
@@ -131,8 +132,8 @@ impl CondensedPattern {
         self.half.holds(q, r as usize)
     }
 
-    /// If K stores one half of a symmetric matrix, the entries of the other half whose row or column is not an unknown. By line: for each
-    /// entry, the stored entry that is its mirror image, and its index in the line.
+    /// The entries in the half that a symmetric K does not store, if their row or column is not an unknown. For each line: the index of the
+    /// stored mirror image of an entry, and the index of the entry in the line.
     fn mirrored<P: Index, I: Index>(&self, k: &View<P, I>) -> Entries {
         let n = self.number.len();
         let mut found = Vec::new();

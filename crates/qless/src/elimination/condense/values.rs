@@ -1,4 +1,5 @@
-//! Values: `K_q(q, :) = K(q, :) L + sum over slaves a of L_aq W(a, :)`, each line by one thread.
+//! Computes the values `K_q(q, :) = K(q, :) L + sum over slaves a of L_aq W(a, :)`, each line by one thread. Here `W = K_S L`, and K_S
+//! holds the lines of the slaves in K.
 
 use std::ops::Range;
 
@@ -18,7 +19,7 @@ impl CondensedPattern {
     /// `K_q = L^T K L` and `f_q = L^T (f - K u_0)` for values of K in the order of its pattern and forces on all DOFs.
     ///
     /// # Errors
-    /// [`ArgumentError`] for a wrong length, a number that is not finite, or another elimination.
+    /// [`ArgumentError`] for a wrong length, a number that is not finite, or an elimination that did not make this pattern.
     pub fn condense_into(
         &self,
         elimination: &Elimination,
@@ -57,7 +58,7 @@ impl CondensedPattern {
         }
     }
 
-    /// Computes a range of lines; false if a value is not finite.
+    /// Computes a range of lines of K_q; false if a value is not finite.
     fn fill(&self, range: Range<usize>, out: &mut [f64], k: &[f64], w: &[f64]) -> bool {
         let mixed = |source: &LineSource| matches!(source, LineSource::Mixed(_));
         let sums = if self.plan.source[range.clone()].iter().any(mixed) { self.unknowns() } else { 0 };
@@ -87,7 +88,7 @@ impl CondensedPattern {
         finite
     }
 
-    /// `sums += line of K times L`.
+    /// Adds a line of K, given by its entries, times L to `sums`, at the indices for which `stored` is true.
     fn add_line(&self, entries: &[(u32, u32)], k: &[f64], sums: &mut [f64], stored: impl Fn(u32) -> bool) {
         for &(e, j) in entries {
             let row = self.row_of_l(j as usize).filter(|&(r, _)| stored(r));
@@ -95,7 +96,7 @@ impl CondensedPattern {
         }
     }
 
-    /// `W = K_S L`.
+    /// Computes `W = K_S L`, where K_S holds the lines of the slaves in K.
     fn of_slaves(&self, k: &[f64], values: &mut [f64]) {
         let w = &self.plan.w;
         let lines = |range: Range<usize>, mut out: &mut [f64], sums: &mut [f64]| {

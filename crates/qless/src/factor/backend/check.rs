@@ -1,4 +1,4 @@
-//! The identities that every backend must meet, on blocks of every shape and rank.
+//! Tests the identities that every backend must meet, on blocks of every shape and rank.
 
 use super::{Backend, Factor};
 use crate::Csr;
@@ -76,7 +76,7 @@ pub(crate) fn from_dense(rows: &[Vec<f64>]) -> Csr {
     a.transposed()
 }
 
-/// Checks a backend on all families.
+/// Checks a backend on all test blocks.
 pub(crate) fn families(backend: &dyn Backend) {
     for block in blocks() {
         let (m, n) = (block.columns.cols, block.columns.rows());
@@ -107,7 +107,7 @@ fn check_shape(factor: &Factor, n: usize, name: &str) {
     }
 }
 
-/// `a_k = A_1 R1^-1 R2_k` for every dependent column k, A_1 being the independent columns.
+/// Checks `a_k = A_1 R1^-1 R2_k` for every dependent column k. A_1 holds the independent columns.
 fn check_dependent_columns(factor: &Factor, columns: &Csr, name: &str) {
     for (y, k) in factor.all_coefficients().iter().zip(factor.rank..) {
         let mut rest = column(columns, factor.order[k]);
@@ -119,7 +119,7 @@ fn check_dependent_columns(factor: &Factor, columns: &Csr, name: &str) {
     }
 }
 
-/// `A_1 R1^-1 (W b) = b` without a residual, for b in the range of A.
+/// Checks `A_1 R1^-1 (W b) = b` without a residual, for b in the range of A. A_1 holds the independent columns.
 fn check_solution(factor: &Factor, columns: &Csr, b: &[f64], name: &str) {
     let z = factor.solved(&factor.rhs[..factor.rank]);
     let mut rest = b.to_vec();
@@ -131,7 +131,7 @@ fn check_solution(factor: &Factor, columns: &Csr, b: &[f64], name: &str) {
     assert!(factor.rest[0] <= 1e-12 * size, "{name}: rest {}", factor.rest[0]);
 }
 
-/// An orthogonal W keeps products: `R^T R = (A P)^T A P`, `R^T W b = (A P)^T b`, and `|W b| = |b|`.
+/// Checks that an orthogonal W keeps products: `R^T R = (A P)^T A P`, `R^T W b = (A P)^T b`, and `|W b| = |b|`.
 fn check_products(factor: &Factor, columns: &Csr, rhs: &[f64], name: &str) {
     let (m, n, rank) = (columns.cols, columns.rows(), factor.rank);
     let by_columns = factor.r.transposed();

@@ -79,7 +79,7 @@ mod tests {
         crate::factor::backend::check::families(&CHOICE);
     }
 
-    /// m x n with `count` entries per column.
+    /// A random m x n matrix with `count` entries per column.
     fn random(m: usize, n: usize, count: usize) -> Csr {
         let mut random = Random(5);
         let mut columns = Csr::empty(m);

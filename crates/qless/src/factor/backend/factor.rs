@@ -8,7 +8,7 @@ use crate::common::argument::long;
 use crate::{ArgumentError, Csr};
 
 impl Factor {
-    /// `R1^-1 z`.
+    /// The product `R1^-1 z`.
     ///
     /// # Errors
     /// [`ArgumentError::WrongLength`] unless z has length r and R has r rows and at least r columns.
@@ -33,14 +33,14 @@ impl Factor {
         long("the list of columns of R1", self.r.cols().min(self.rank), self.rank)
     }
 
-    /// `R1^-1 z` for z of length r.
+    /// The product `R1^-1 z` for z of length r; lengths are not checked.
     pub(crate) fn solved(&self, z: &[f64]) -> Vec<f64> {
         let mut x: Slab<1> = z.iter().map(|&z| [z]).collect();
         self.solve_slab(&mut x);
         x.into_flattened()
     }
 
-    /// `R1^-T z` for z of length r.
+    /// The product `R1^-T z` for z of length r; lengths are not checked.
     pub(crate) fn solve_transposed(&self, z: &[f64]) -> Vec<f64> {
         let mut x: Slab<1> = z.iter().map(|&z| [z]).collect();
         self.solve_slab_transposed(&mut x);
@@ -52,7 +52,8 @@ impl Factor {
         self.each_coefficients(|_, some| some).into_iter().flatten().collect()
     }
 
-    /// Calls `job` for each slab of dependent columns, in parallel, with the number of its first dependent column and its vectors.
+    /// Splits the dependent columns into slabs of up to [`WIDTH`] and calls `job` for each slab, in parallel, with the number of its first
+    /// column and the vectors `R1^-1 R2_k` of its columns.
     pub(crate) fn each_coefficients<T: Send>(&self, job: impl Fn(usize, Vec<Vec<f64>>) -> T + Sync) -> Vec<T> {
         let mut behind = Csr::empty(self.r.cols - self.rank);
         let entries = |i: usize| self.r.row(i).skip_while(|&(j, _)| j < self.rank).map(|(j, v)| (j - self.rank, v));
@@ -72,7 +73,7 @@ impl Factor {
     }
 
     /// An upper estimate of the smallest singular value of R1 and its right singular vector, by five steps of inverse iteration with
-    /// `R1^T R1`, each two triangular solves. Returns 1 and an empty vector if the rank is 0.
+    /// `R1^T R1`. Each step takes two triangular solves. Returns 1 and an empty vector if the rank is 0.
     pub(crate) fn smallest_singular_value(&self) -> (f64, Vec<f64>) {
         if self.rank == 0 {
             return (1.0, Vec::new());
@@ -108,7 +109,7 @@ fn normalize(x: &mut [f64]) {
     x.iter_mut().for_each(|v| *v /= norm);
 }
 
-/// `max |x_i| / |x|`; 1 if x is zero or empty.
+/// The largest magnitude in x relative to its 2-norm, `max |x_i| / |x|`; 1 if x is zero or empty.
 pub(crate) fn part_of_largest(x: &[f64]) -> f64 {
     let largest = x.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
     if largest > 0.0 { largest / norm(x) } else { 1.0 }

@@ -14,7 +14,7 @@ use faer::{Conj, Mat, Par, Spec};
 use super::{Backend, BackendError, Factor, check_block};
 use crate::Csr;
 
-/// The most entries of a dense block: 2 GiB.
+/// Largest number of entries of a dense block: they occupy 2 GiB.
 const DENSE_LIMIT: usize = 1 << 28;
 
 /// Dense QR with column pivoting as a [`Backend`].
@@ -60,8 +60,8 @@ impl Backend for Faer {
 /// columns, and below about 1e-8 of the first norm the updated values are rounding.
 const GRADE: f64 = 1e-6;
 
-/// `A <- R` above its diagonal, `B <- Q^T B`; returns P and the rank. Each stage computes the norms of the remaining columns afresh. If
-/// no pivot is small, one stage is enough.
+/// Factors in place: A becomes R above its diagonal, and B becomes `Q^T B`. Returns P and the rank. Each stage computes the norms of the
+/// remaining columns afresh. If no pivot is small, one stage is enough.
 fn factor_in_place(a: &mut Mat<f64>, b: &mut Mat<f64>, tolerance: f64) -> (Vec<usize>, usize) {
     let (n, steps) = (a.ncols(), a.nrows().min(a.ncols()));
     let (mut order, mut rank) = stage(a, b, tolerance);
@@ -85,7 +85,7 @@ fn factor_in_place(a: &mut Mat<f64>, b: &mut Mat<f64>, tolerance: f64) -> (Vec<u
     (order, rank)
 }
 
-/// The largest norm of a remaining column below row `rank`.
+/// The largest norm of a remaining column, from row `rank` on.
 fn largest_left(r: &Mat<f64>, rank: usize) -> f64 {
     let steps = r.nrows().min(r.ncols());
     let norm = |j: usize| (rank..=j.min(steps - 1)).map(|i| r[(i, j)].powi(2)).sum::<f64>().sqrt();

@@ -1,4 +1,4 @@
-//! `R1^-1 Z` and `R1^-T Z` for several vectors at once, so that R is read from memory once for all vectors.
+//! Computes `R1^-1 Z` and `R1^-T Z` for several vectors at once, so that R is read from memory once for all vectors.
 //!
 //! Rows of one front have the same columns to the right of their triangle. [`ROWS`] such rows are processed together and share the reads of
 //! columns and of Z.
@@ -14,7 +14,7 @@ use super::Factor;
 /// Number of vectors in a slab.
 pub(crate) const WIDTH: usize = 16;
 
-/// Rows of R, and vectors, that are processed together. With AVX2 they fill half of the SIMD registers.
+/// Numbers of rows of R and of vectors that are processed together. With AVX2 they fill half of the SIMD registers.
 const ROWS: usize = 4;
 const LANES: usize = 8;
 
@@ -22,17 +22,17 @@ const LANES: usize = 8;
 pub(crate) type Slab<const W: usize = WIDTH> = Vec<[f64; W]>;
 
 impl Factor {
-    /// `Z <- R1^-1 Z`.
+    /// Solves with R1 in place: `Z <- R1^-1 Z`.
     pub(crate) fn solve_slab<const W: usize>(&self, z: &mut Slab<W>) {
         Arch::new().dispatch(Backward(self, z));
     }
 
-    /// `Z <- R1^-T Z`.
+    /// Solves with the transposed R1 in place: `Z <- R1^-T Z`.
     pub(crate) fn solve_slab_transposed<const W: usize>(&self, z: &mut Slab<W>) {
         Arch::new().dispatch(Forward(self, z));
     }
 
-    /// `R1 Z`.
+    /// The product `R1 Z`.
     pub(crate) fn times_slab(&self, z: &Slab) -> Slab {
         Arch::new().dispatch(Product(self, z))
     }
@@ -76,7 +76,7 @@ impl Factor {
         (first..first + ROWS - 1).all(is_next)
     }
 
-    /// A step of `Z <- R1^-1 Z` for H rows of a run ([`Factor::is_run`]), and L vectors from `lane` on.
+    /// A step of `Z <- R1^-1 Z` for H rows of a run ([`Factor::is_run`]), and for L vectors from `lane` on.
     #[inline(always)]
     fn rows_backward<const H: usize, const W: usize, const L: usize>(
         &self,
@@ -102,7 +102,7 @@ impl Factor {
         (0..H).for_each(|r| z[first + r][lane..lane + L].copy_from_slice(&own[r]));
     }
 
-    /// A step of `Z <- R1^-T Z` for H rows of a run, and L vectors from `lane` on.
+    /// A step of `Z <- R1^-T Z` for H rows of a run ([`Factor::is_run`]), and for L vectors from `lane` on.
     #[inline(always)]
     fn rows_forward<const H: usize, const W: usize, const L: usize>(&self, first: usize, lane: usize, z: &mut Slab<W>) {
         let (corner, values, places) = self.run::<H>(first);
@@ -124,7 +124,8 @@ impl Factor {
         }
     }
 
-    /// For H rows of a run: the values in the triangle and those to the right of it, by row, and the columns to the right of it.
+    /// For H rows of a run: the values in their triangle, by row; the values to the right of the triangle, by row; and the columns of the
+    /// latter.
     #[inline(always)]
     fn run<const H: usize>(&self, first: usize) -> ([&[f64]; H], [&[f64]; H], &[u32]) {
         let places = &self.row_of_r1(first + H - 1).0[1..];
@@ -132,7 +133,7 @@ impl Factor {
         (std::array::from_fn(|r| part(r).0), std::array::from_fn(|r| &part(r).1[..places.len()]), places)
     }
 
-    /// Row i of R1: columns, the diagonal first, and values.
+    /// Row i of R1: its columns, of which the diagonal is the first, and its values.
     #[inline(always)]
     fn row_of_r1(&self, i: usize) -> (&[u32], &[f64]) {
         let range = self.r.start[i]..self.r.start[i + 1];
@@ -185,7 +186,7 @@ impl WithSimd for Product<'_> {
     }
 }
 
-/// L of W numbers, from `lane` on.
+/// L of the W numbers, from `lane` on.
 #[inline(always)]
 fn some<const W: usize, const L: usize>(of: &[f64; W], lane: usize) -> &[f64; L] {
     of[lane..].first_chunk().expect("W is a multiple of L")

@@ -1,4 +1,4 @@
-//! A backend computes `A P = Q R` without forming Q (Eq. 21-24).
+//! A backend computes `A P = Q R` without forming Q (Eq. 21-24 of the paper).
 //!
 //! It factors one block A (m x n, any shape, any rank) and returns plain owned data. It knows nothing about slaves, scaling or decks.
 //! The callers need `W A P = [R1 R2; 0 0]` and `W B` for any nonsingular W. So Gauss elimination (W = L^-1) is a backend too.
@@ -95,13 +95,13 @@ pub enum BackendError {
     /// The block needs more memory than is available, or than the backend allows for a dense block.
     #[error("{backend}: a block of {rows} x {cols} needs more memory than is available{advice}")]
     OutOfMemory {
-        /// Which backend.
+        /// The name of the backend.
         backend: &'static str,
         /// Rows of the block.
         rows: usize,
         /// Columns of the block.
         cols: usize,
-        /// What the user can do, starting with "; ", or empty.
+        /// What the user can do, starting with "; ". Empty if there is no advice.
         advice: &'static str,
     },
     /// The block needs more memory than the caller allows ([`crate::Options::memory`]).
@@ -110,7 +110,7 @@ pub enum BackendError {
         .needed.div_ceil(1 << 20), .limit >> 20
     )]
     OverLimit {
-        /// Which backend.
+        /// The name of the backend.
         backend: &'static str,
         /// Rows of the block.
         rows: usize,
@@ -124,7 +124,7 @@ pub enum BackendError {
     /// The block has more rows or columns than the backend's index type can count.
     #[error("{backend}: a block of {rows} x {cols} is larger than its indices can count")]
     TooLarge {
-        /// Which backend.
+        /// The name of the backend.
         backend: &'static str,
         /// Rows of the block.
         rows: usize,
@@ -134,7 +134,7 @@ pub enum BackendError {
     /// The backend was not compiled in.
     #[error("{backend}: this build does not include it; rebuild with `--features {backend}`")]
     NotCompiledIn {
-        /// Which backend.
+        /// The name of the backend.
         backend: &'static str,
     },
     /// A number that is not finite, right-hand sides whose length is not a multiple of m, or a tolerance that is negative or NaN.
@@ -143,7 +143,7 @@ pub enum BackendError {
     /// Another error, with the message of the library.
     #[error("{backend}: {message}")]
     Failed {
-        /// Which backend.
+        /// The name of the backend.
         backend: &'static str,
         /// The message.
         message: String,

@@ -25,9 +25,9 @@ use crate::common::random::randoms;
 
 /// Largest number of steps of inverse iteration. The first is enough if the values below the limit are far smaller than all others.
 const STEPS: usize = 2;
-/// Values below the limit have converged if they are smaller than all others by this factor.
+/// Singular values below the limit have converged if they are smaller than all others by this factor.
 const CLEAR: f64 = 1e3;
-/// Initial number of vectors.
+/// Initial number of vectors of the inverse iteration.
 const BLOCK: usize = WIDTH;
 /// Factor by which the number of vectors grows if they are not enough.
 const GROWTH: usize = 2;
@@ -36,7 +36,7 @@ const MOST: usize = 512;
 
 /// Columns of R1 that are nearly combinations of others.
 pub(crate) struct Weak {
-    /// Positions of the columns.
+    /// Positions of the weak columns in R1.
     pub columns: Vec<usize>,
     /// An orthonormal basis of the near null space of R1, r x k for k weak columns.
     pub null: Mat<f64>,
@@ -51,14 +51,14 @@ impl Factor {
         if null.ncols() == 0 {
             return Ok(Some(Weak { columns: Vec::new(), null }));
         }
-        // QR with pivoting of N^T (k x r) chooses its k most independent columns.
+        // QR with pivoting of the transposed basis (k x r) chooses its k most independent columns.
         let mut rows = Csr::empty(null.ncols());
         (0..null.nrows()).for_each(|i| rows.append((0..null.ncols()).map(|k| (k, null[(i, k)]))));
         let factor = Faer.factor(&rows, &[], 0.0)?;
         Ok(Some(Weak { columns: factor.order[..factor.rank].to_vec(), null }))
     }
 
-    /// An orthonormal basis of the near null space, r x k.
+    /// An orthonormal basis of the near null space of R1, r x k.
     fn near_null(&self, limit: f64, expected: usize) -> Option<Mat<f64>> {
         let mut width = (expected + BLOCK).next_multiple_of(BLOCK).min(MOST).min(self.rank);
         while width > 0 {
@@ -75,7 +75,7 @@ impl Factor {
         Some(Mat::zeros(self.rank, 0))
     }
 
-    /// Ritz vectors and values of R1, the values descending.
+    /// Ritz vectors and values of R1 after inverse iteration with `width` vectors; the values descend.
     fn ritz(&self, width: usize, limit: f64) -> Option<(Mat<f64>, Vec<f64>)> {
         let random: Vec<f64> = randoms(7).take(self.rank * width).map(|x| x - 1.0).collect();
         let mut x = slabs(width, self.rank, |c, i| random[c * self.rank + i]);
@@ -125,7 +125,7 @@ fn qr(a: &mut Mat<f64>) -> Mat<f64> {
     coefficients
 }
 
-/// The first k columns of Q.
+/// The first k columns of Q of the QR factorization of an m x k matrix.
 fn orthonormal_basis(mut a: Mat<f64>) -> Mat<f64> {
     let coefficients = qr(&mut a);
     let (m, k) = a.shape();
@@ -135,7 +135,7 @@ fn orthonormal_basis(mut a: Mat<f64>) -> Mat<f64> {
     q
 }
 
-/// R, k x k.
+/// The factor R (k x k) of the QR factorization of an m x k matrix.
 fn triangle(mut a: Mat<f64>) -> Mat<f64> {
     qr(&mut a);
     let k = a.ncols();

@@ -42,7 +42,7 @@ pub struct Spqr {
     /// Threads for the task tree of one factorization; 0 for the number of threads of the caller's rayon pool. Default: 1, without a
     /// tree.
     pub threads: usize,
-    /// Lower bound of the ratio of all work to the work of one task. Larger values make smaller tasks. Default: 5, for any number of
+    /// Lower bound of the ratio of all work to the work of one task, so larger values make smaller tasks. Default: 5, for any number of
     /// threads.
     pub grain: f64,
     /// Lower bound of the operations of a task. Default: 1e6; starting a thread for less costs more than it saves.
@@ -168,7 +168,7 @@ impl Backend for Spqr {
     }
 }
 
-/// A dense m x k matrix by columns.
+/// A dense m x k matrix of right-hand sides, by columns.
 #[derive(Clone, Copy)]
 struct TallRhs<'a> {
     rows: usize,
@@ -194,7 +194,7 @@ fn all_finite(values: &[f64]) -> bool {
     values.iter().all(|v| v.is_finite())
 }
 
-/// W = I, for A = 0 or A without rows or columns. The C code does not accept every empty matrix.
+/// The factorization with W = I of a block without nonzero entries. The C code does not accept every empty matrix.
 fn nothing_to_factor(n: usize, b: TallRhs) -> Result<Factor, TryReserveError> {
     let (order, r) = (collected(n, 0..n)?, Csr::empty(n));
     Ok(Factor { rank: 0, order, r, rhs: Vec::new(), rest: b.rest(0)?, dropped: 0.0 })

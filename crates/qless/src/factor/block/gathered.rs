@@ -14,25 +14,26 @@ use crate::presolve::rows::{Entry, WorkingRow};
 pub(crate) struct Block {
     /// The rows, numbered as in `Eliminated::rows`.
     pub rows: Vec<u32>,
-    /// By row, the exponent of the power of two by which the block scales the row.
+    /// For each row, the exponent of the power of two by which the block scales the row.
     pub exponents: Vec<i32>,
     /// Free DOFs of the block, ascending; the columns of `matrix`.
     pub dofs: Vec<u32>,
-    /// By DOF, the exponent of its unit in `matrix`: balanced units until the kept rows are known, then 0.
+    /// For each DOF, the exponent of its unit in `matrix`: balanced units until the kept rows are known, then 0.
     pub units: Vec<i32>,
-    /// By DOF, the exponent of its balanced unit relative to its unit in `matrix`: 0 until [`Block::restore_units`].
+    /// For each DOF, the exponent of its balanced unit relative to its unit in `matrix`: 0 until [`Block::restore_units`].
     pub balanced: Vec<i32>,
     pub matrix: Csr,
     /// Prescribed DOFs of the block, ascending; the columns of `fixed`.
     pub prescribed: Vec<u32>,
     pub fixed: Csr,
     pub rhs: Vec<f64>,
-    /// `b - C_p u_p`, scaled as the rows: first for this block, then for each other block with the same matrix that is diagnosed with it.
+    /// `b - C_p u_p` (b minus the prescribed terms), scaled as the rows: first for this block, then for each other block with the same
+    /// matrix that is diagnosed with it.
     pub effective: Vec<Vec<Mismatch>>,
-    /// By row, the largest [`Entry::certain_left`] of its free DOFs: the fraction of a coefficient's largest term that certainly remains
-    /// after cancellation. Coefficients that presolve dropped count too.
+    /// For each row, the largest [`Entry::certain_left`] of its free DOFs: the fraction of a coefficient's largest term that certainly
+    /// remains after cancellation. Coefficients that presolve dropped count too.
     pub certain: Vec<f64>,
-    /// A random right-hand side, after presolve.
+    /// A random right-hand side, to which presolve was applied as to the rows.
     pub random: Vec<f64>,
 }
 
@@ -43,12 +44,12 @@ pub(crate) struct FactorContext<'a> {
     pub tolerance: f64,
     /// True if the rank is checked.
     pub check: bool,
-    /// Computes singular values if the backend does not.
+    /// The backend that computes singular values if `backend` is not orthogonal.
     pub reference: DenseOrSparse,
 }
 
 impl<'a> FactorContext<'a> {
-    /// `memory` bounds the bytes of a block in the reference backend.
+    /// `memory` bounds the bytes that [`FactorContext::reference`] may allocate for a block.
     pub fn new(backend: &'a dyn Backend, tolerance: f64, check: bool, memory: usize) -> Self {
         Self { backend, tolerance, check, reference: DenseOrSparse::new(memory) }
     }
@@ -60,7 +61,7 @@ impl<'a> FactorContext<'a> {
 }
 
 impl Block {
-    /// Some rows of the matrix.
+    /// The matrix of the selected rows.
     pub fn select(&self, rows: &[usize]) -> Csr {
         let mut selected = Csr::empty(self.matrix.cols);
         rows.iter().for_each(|&i| selected.append(self.matrix.row(i)));
@@ -165,7 +166,7 @@ impl Block {
 #[derive(Clone, Copy)]
 struct Given<'a> {
     rows: &'a [WorkingRow],
-    /// By DOF, its column in its block; `u32::MAX` if it is in no block, as prescribed DOFs are.
+    /// For each DOF, its column in its block; `u32::MAX` for a DOF in no block, such as a prescribed one.
     place: &'a [u32],
     random: &'a [f64],
     is_scaled: bool,

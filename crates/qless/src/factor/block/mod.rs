@@ -1,4 +1,5 @@
-//! The equations that remain after presolve, block by block: which rows depend on which, and how the DOFs can move (Eq. 21, 22).
+//! The equations that remain after presolve, block by block: which rows depend on which, and how the DOFs can move (Eq. 21 and 22 of the
+//! paper).
 //!
 //! The diagnosis factors `C^T`: its dependent columns are the dependent equations, and `R1 y = R2_k` gives the certificate of row k.
 //! Heath-style rank detection is far more often right on `C^T` (tall) than on C. Random vectors of the null space ([`triangle`]) show
@@ -53,7 +54,7 @@ fn diagnose(block: &mut Block, means: FactorContext) -> Result<Found, BackendErr
         let mut plain = block.clone();
         plain.restore_units();
         let triangle = Triangle::of(&plain, &rows.kept, &[], means)?;
-        // Rows that are dependent to the last bit in these units are missing from the triangle.
+        // If rows are dependent to the last bit in these units, the triangle lacks them, and its motions violate them.
         if triangle.rows.len() == rows.kept.len() {
             let mut other = triangle.motions(&plain);
             other.restore_units(&[], triangle.factor.smallest_singular_value().0);

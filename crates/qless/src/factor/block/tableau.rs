@@ -4,7 +4,7 @@
 //! Exchanging row i with column j divides by `y_ij` and multiplies the determinant of the basis by `|y_ij|`. If that is at least 1, no
 //! accuracy is lost.
 
-/// Dense, by rows. The last columns may be fixed (prescribed DOFs and the constant) and are then never exchanged.
+/// A dense matrix Y by rows. The last columns may be fixed (prescribed DOFs and the constant) and are then never exchanged.
 #[derive(Clone, Debug)]
 pub(crate) struct Tableau {
     /// Name of each row's variable.
@@ -20,7 +20,7 @@ pub(crate) struct Tableau {
 const LARGE: usize = 4_000_000;
 /// Largest number of exchanges to reach a bound; if more are needed, it is better to choose a new basis.
 const MOST_EXCHANGES: usize = 100;
-/// Least `|y_ij|` of an exchange that only makes a preferred variable basic, so that the determinant hardly decreases.
+/// Least `|y_ij|` of an exchange that only makes a preferred variable basic; then the determinant of the basis hardly decreases.
 const NEUTRAL: f64 = 0.9;
 
 impl Tableau {

@@ -40,11 +40,11 @@ pub(crate) struct Triangle {
     pub rows: Vec<usize>,
     /// Rows whose certificates the factor can compute: those asked for, then those left out as dependent.
     pub dropped: Vec<usize>,
-    /// Number of rows asked for.
+    /// Number of rows whose certificates were asked for.
     asked: usize,
 }
 
-/// The random vectors, by columns, as right-hand sides of a factorization of `C^T`.
+/// The random vectors by columns, as right-hand sides of a factorization of `C^T`.
 pub(super) fn seeds(block: &Block) -> Vec<f64> {
     let n = block.matrix.cols as u64;
     SEEDS.iter().flat_map(|&seed| (0..n).map(move |j| signed(seed, j))).collect()
@@ -79,12 +79,12 @@ impl Triangle {
         self.asked == 0
     }
 
-    /// 2-norm of the remainder of each row asked for.
+    /// For each row whose certificate was asked for, the 2-norm of what remains of the row.
     pub fn rests(&self) -> &[f64] {
         &self.factor.rest[SEEDS.len()..]
     }
 
-    /// `y = R1^-1 Q^T c` for [`Triangle::dropped`], in the order of [`Triangle::rows`].
+    /// The certificates `y = R1^-1 Q^T c` of the rows c in [`Triangle::dropped`]; coefficients are in the order of [`Triangle::rows`].
     pub fn certificates(&self) -> Vec<Vec<f64>> {
         let r = self.factor.rank;
         let asked = self.factor.rhs[SEEDS.len() * r..].chunks(r.max(1));
@@ -133,7 +133,7 @@ impl Triangle {
         Vectors { moves: [lane(&moves, 0), lane(&moves, 1)], ..Vectors::default() }
     }
 
-    /// The minimum-norm `x` with `C_k x = b`, by a solve and one correction.
+    /// The minimum-norm `x` with `C_k x = b`, where `C_k` holds the kept rows; by a solve and one correction.
     pub fn shortest<const W: usize>(&self, block: &Block, b: &Slab<W>) -> Slab<W> {
         let mut x = self.first_shortest(block, b);
         let mut step = self.times(block, &x);
@@ -144,7 +144,7 @@ impl Triangle {
     }
 
     /// As [`Triangle::shortest`], to a relative error of 1e-3: corrected only if necessary. A solve without correction has the relative
-    /// error `u |C|^2 / sigma^2`.
+    /// error `u |C|^2 / sigma^2`, where u is the rounding unit and sigma the smallest singular value.
     pub fn nearly_shortest<const W: usize>(&self, block: &Block, b: &Slab<W>, sigma: f64) -> Slab<W> {
         let enough = f64::EPSILON * self.size_squared(block) < ENOUGH * sigma * sigma;
         if enough { self.first_shortest(block, b) } else { self.shortest(block, b) }
@@ -161,7 +161,7 @@ impl Triangle {
         rows * columns.into_iter().fold(0.0, f64::max)
     }
 
-    /// `C_k^T R^-1 R^-T b`.
+    /// The minimum-norm solution `C_k^T R^-1 R^-T b` without a correction; `C_k` holds the kept rows.
     pub fn first_shortest<const W: usize>(&self, block: &Block, b: &Slab<W>) -> Slab<W> {
         let mut x = vec![[0.0; W]; block.matrix.cols];
         let mut step = b.iter().map(|b| b.map(|b| -b)).collect();
@@ -170,20 +170,20 @@ impl Triangle {
         x
     }
 
-    /// `(R^T R)^-1 C_k X`: the combinations of the rows that are nearest to X, in the order of [`Triangle::rows`].
+    /// `(R^T R)^-1 C_k X`: the combinations of the kept rows `C_k` that are nearest to X, in the order of [`Triangle::rows`].
     pub fn projected(&self, block: &Block, x: &Slab) -> Slab {
         let mut z = self.times(block, x);
         self.normal(&mut z);
         z
     }
 
-    /// `Z <- (R^T R)^-1 Z`.
+    /// `Z <- (R^T R)^-1 Z`, by two triangular solves.
     fn normal<const W: usize>(&self, z: &mut Slab<W>) {
         self.factor.solve_slab_transposed(z);
         self.factor.solve_slab(z);
     }
 
-    /// `C_k X`.
+    /// The product `C_k X` of the kept rows `C_k`.
     fn times<const W: usize>(&self, block: &Block, x: &Slab<W>) -> Slab<W> {
         let product = |&k: &usize| {
             let mut sum = [0.0; W];
@@ -193,7 +193,7 @@ impl Triangle {
         self.rows.iter().map(product).collect()
     }
 
-    /// `X <- X - C_k^T W`.
+    /// `X <- X - C_k^T W` with the kept rows `C_k`.
     fn subtract_from<const W: usize>(&self, block: &Block, w: &Slab<W>, x: &mut Slab<W>) {
         for (&k, w) in self.rows.iter().zip(w) {
             block.matrix.row(k).for_each(|(j, v)| x[j].iter_mut().zip(w).for_each(|(x, w)| *x -= v * w));

@@ -45,7 +45,7 @@ pub(crate) fn diagnose_all(
 /// The columns of a block in an order that depends on their entries alone.
 struct SortedColumns {
     order: Vec<usize>,
-    /// The transposed matrix.
+    /// The matrix of the block, transposed.
     entries: Csr,
     hash: u64,
 }

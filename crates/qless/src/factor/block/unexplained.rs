@@ -27,7 +27,7 @@ use crate::presolve::basis::{BlockCertificate, BlockDependent};
 use crate::presolve::eliminate::SUSPECT;
 use crate::presolve::eliminated::Mismatch;
 
-/// A product with a null-space vector counts as rounding up to this fraction of its terms.
+/// A product of a row with a null-space vector counts as rounding up to this fraction of its terms.
 const NOISE: f64 = 64.0 * f64::EPSILON;
 /// Largest number of refinements of a certificate.
 const REFINEMENTS: usize = 2;
@@ -38,7 +38,7 @@ const ROUNDING: [f64; 3] = [0.0, 1e-13, 1e-11];
 struct Rest {
     left: Vec<f64>,
     size: Vec<f64>,
-    /// By DOF, true if one of its terms is known to three digits.
+    /// For each DOF, true if one of the terms of its remainder is known to three digits.
     is_known: Vec<bool>,
     touched: Vec<usize>,
     /// Coefficients of certificates up to this fraction of the largest are not known to three digits.
@@ -74,7 +74,7 @@ impl Rest {
         }
     }
 
-    /// `e_k` of row k with this certificate.
+    /// The error `e_k` of row k with this certificate: the largest remainder of a coefficient, relative to its terms.
     fn error(&mut self, block: &Block, k: usize, certificate: &[(usize, f64)]) -> f64 {
         self.clear();
         self.subtract(block, k, -1.0, true);
@@ -102,7 +102,7 @@ struct Unexplained {
     place: usize,
     /// The place of the row in the block.
     k: usize,
-    /// Rows of the block and their coefficients.
+    /// Terms of the certificate: rows of the block with their coefficients.
     certificate: Vec<(usize, f64)>,
     error: f64,
     /// True if another refinement may help.

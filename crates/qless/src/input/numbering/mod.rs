@@ -32,21 +32,21 @@ pub(crate) struct Column {
 }
 
 impl Column {
-    /// Adds a row.
+    /// Adds a row that contains the DOF.
     #[inline]
     pub fn enter(&mut self, row: u32) {
         self.count += 1;
         self.rows ^= row;
     }
 
-    /// Adds the rows that another part of the equations has for the same DOF.
+    /// Adds the rows of the other half of the equations that contain the same DOF.
     #[inline]
     fn join(&mut self, other: Self) {
         self.count += other.count;
         self.rows ^= other.rows;
     }
 
-    /// Removes a row.
+    /// Removes a row that contains the DOF.
     #[inline]
     pub fn leave(&mut self, row: u32) {
         self.count -= 1;
@@ -116,7 +116,7 @@ impl<'a> LocalSystem<'a> {
         self.system.equations()
     }
 
-    /// Number of DOFs that occur.
+    /// Number of DOFs that occur in equations.
     pub fn dofs(self) -> usize {
         self.numbering.dofs.len()
     }

@@ -1,4 +1,4 @@
-//! The pass over C that numbers its DOFs. For a very large C, two threads number one half of the equations each.
+//! The pass over C that numbers its DOFs. For a very large C, two threads number the DOFs of one half of the equations each.
 //!
 //! Each half numbers its DOFs by first appearance. DOFs of the second half get numbers after those of the first, unless the first half
 //! contains them too. The result equals that of one pass over all equations.
@@ -16,7 +16,7 @@ use crate::common::prefetch::{BATCH, IN_CACHE};
 /// With fewer equations the second thread gains nothing, as measured at 3e5 and 1e6.
 const WORTH_HALVES: usize = 1 << 20;
 
-/// Places by which the lists of DOFs grow beyond the need of the next row. Reserved memory beyond these places is never touched.
+/// The lists of DOFs grow to this many places more than the next row needs. Memory that is reserved beyond these places is never touched.
 const ROOM: usize = 1 << 10;
 
 /// Marks a DOF without a number.
@@ -107,7 +107,7 @@ impl Pass {
         Some(self.local[j]).filter(|&l| l != NONE).or_else(|| self.later.as_ref().and_then(of_later))
     }
 
-    /// Appends the pass over the following equations; returns the final number of each of its local DOFs.
+    /// Appends the pass over the following equations; returns the final local number of each DOF of this second pass.
     fn append(&mut self, later: Self) -> &[u32] {
         let mut numbers = gather(&self.local, &later.dofs);
         for ((number, j), column) in numbers.iter_mut().zip(later.dofs).zip(later.columns) {

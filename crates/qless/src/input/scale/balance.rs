@@ -11,7 +11,7 @@
 
 use super::laplacian::{Edge, solve};
 
-/// Largest number of reweighting steps. The iteration ends earlier, at the first step that changes no coefficient by a factor of two.
+/// Largest number of reweighting steps. The iteration ends at the first step that changes no coefficient by a factor of two.
 const MOST_STEPS: usize = 30;
 
 /// Components of at least this many equations are first balanced by relaxation, which is enough if the user's units are consistent. Least
@@ -20,14 +20,14 @@ const LARGE: usize = 1_000;
 /// Largest number of relaxation passes. More are needed only if units differ between distant parts of the graph.
 const MOST_PASSES: usize = 10;
 
-/// Sweeps of equilibration. The first ones halve the deviation in powers of two, and the others level the remainder.
+/// Sweeps of equilibration. Each of the first sweeps halves the deviation in powers of two, and the others level the remainder.
 const SWEEPS: usize = 30;
 
 /// If the balanced units of all DOFs lie within this power of two, DOFs keep the user's units: a pivot is then above 1e-6 of its row, four
 /// digits above the entries that a tolerance of 1e-10 drops.
 const NEAR: f64 = 20.0;
 
-/// Half of the range of exponents; the other half remains for the coefficients.
+/// Exponents of units stay below this, half of the range of exponents; the other half remains for the coefficients.
 pub(crate) const RANGE: i32 = 512;
 
 /// Bits of the significand of a double.
@@ -63,8 +63,8 @@ impl Component {
         Self { rows, dofs, entries }
     }
 
-    /// By DOF, the power of two that multiplies its column to reach balanced units, relative to the median DOF, so that most are 0. None if
-    /// the powers differ by at most [`NEAR`]: the user's units then stay.
+    /// For each DOF, the power of two that multiplies its column to reach balanced units, relative to the median DOF, so that most are 0.
+    /// None if the powers differ by at most [`NEAR`]: the user's units then stay.
     pub fn units(&self) -> Option<Vec<i32>> {
         self.units_beyond(NEAR)
     }
@@ -76,9 +76,9 @@ impl Component {
         Some(q.iter().map(|q| (usual - q).round() as i32).collect())
     }
 
-    /// Exponents of the DOFs: equilibrated units, or balanced units if their `smallness` is less than half. Equilibrated units are nearer
-    /// to the user's, but can leave coefficients small beside others of their row: one large coefficient is enough for the norm of a DOF.
-    /// None if [`Component::equilibrated`] returns None.
+    /// Exponents of the DOFs: equilibrated units, or balanced units if their `smallness` is less than half as large. Equilibrated units are
+    /// nearer to the user's, but can leave coefficients small beside others of their row: one large coefficient is enough for the norm of a
+    /// DOF. None if [`Component::equilibrated`] returns None.
     pub fn near_users(&self, near: i32) -> Option<Vec<i32>> {
         let equilibrated = self.equilibrated(near)?;
         let small = self.smallness(&equilibrated);
@@ -88,8 +88,8 @@ impl Component {
         Some(balanced.filter(is_better).unwrap_or(equilibrated))
     }
 
-    /// Sum over coefficients of the bits, beyond [`NEAR`], by which each one is below the largest of its row. No coefficient counts as more
-    /// than 53 bits below.
+    /// Sum over coefficients: the bits by which a coefficient is below the largest of its row, as far as they exceed [`NEAR`]. No
+    /// coefficient counts as more than 53 bits below.
     fn smallness(&self, col: &[i32]) -> f64 {
         let power = |&(_, j, power): &(u32, u32, f64)| power + f64::from(col[j as usize]);
         let of_row = |row: &[(u32, u32, f64)]| {
@@ -185,7 +185,7 @@ impl Component {
         Some((q, powers))
     }
 
-    /// Minimizes over one row or DOF after the other, starting from the user's units. Returns q and the coefficients as in
+    /// Minimizes the sum over one row or DOF after the other, starting from the user's units. Returns q and the coefficients as in
     /// [`Component::balanced`] once no row and no DOF moves by a power of two; None if this takes more than [`MOST_PASSES`].
     fn relaxed(&self) -> Option<(Vec<f64>, Vec<f64>)> {
         let (mut p, mut q) = (vec![0.0; self.rows.len()], vec![0.0; self.dofs.len()]);
@@ -214,7 +214,8 @@ impl Component {
         None
     }
 
-    /// `f = -sum_e w_e x_e (delta_i - delta_j)`; `x_e` is the power of coefficient e.
+    /// `f = -sum_e w_e x_e (delta_i - delta_j)` over the coefficients e = (i, j), with weights `w_e`, powers `x_e` and unit vectors
+    /// `delta`.
     fn pull(&self, powers: &[f64], edges: &[Edge]) -> Vec<f64> {
         let mut f = vec![0.0; self.rows.len() + self.dofs.len()];
         for (power, &Edge { ends: [a, b], weight }) in powers.iter().zip(edges) {
@@ -225,7 +226,7 @@ impl Component {
     }
 }
 
-/// `phi'(x) / x`.
+/// The weight `phi'(x) / x` of a coefficient `2^x` in least squares.
 fn weight(power: f64) -> f64 {
     if power > 0.0 { 1.0 } else { 1.0 / (1.0 - power) }
 }
@@ -249,10 +250,10 @@ impl Mean {
     }
 }
 
-/// `sum 2^power`, as a power of two.
+/// The sum of numbers `2^power`, which is itself given as a power of two.
 #[derive(Clone, Copy)]
 struct Sum {
-    /// The largest power.
+    /// The largest power that was added.
     most: f64,
     /// The sum divided by `2^most`.
     sum: f64,
@@ -270,7 +271,7 @@ impl Sum {
         }
     }
 
-    /// The power; 0 without coefficients.
+    /// The power of the sum; 0 if nothing was added.
     fn power(self) -> f64 {
         if self.sum > 0.0 { self.most + self.sum.log2() } else { 0.0 }
     }

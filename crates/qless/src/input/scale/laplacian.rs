@@ -1,7 +1,7 @@
 //! `L p = f` on a connected weighted graph, by conjugate gradients with a heaviest spanning tree as preconditioner.
 //!
 //! ```text
-//! L = sum_e w_e (delta_a - delta_b) (delta_a - delta_b)^T      e = (a, b)
+//! L = sum_e w_e (delta_a - delta_b) (delta_a - delta_b)^T      e = (a, b), unit vectors delta
 //! ```
 //!
 //! A tree is solved in O(n), from its leaves to the root and back. Ties between weights are broken at random: the ends of most edges are
@@ -53,7 +53,7 @@ impl Tree {
         Self(found)
     }
 
-    /// The p with `L_T p = f`, zero at the root; `L_T` is the Laplacian of the tree alone.
+    /// The solution p of `L_T p = f`, zero at the root. `L_T` is the Laplacian of the tree alone.
     fn solve(&self, edges: &[Edge], f: &[f64]) -> Vec<f64> {
         let mut flow = f.to_vec();
         for &(node, parent, _) in self.0[1..].iter().rev() {
@@ -67,7 +67,7 @@ impl Tree {
     }
 }
 
-/// The p with `L p = f`, apart from a constant; f sums to zero.
+/// The solution p of `L p = f` with the Laplacian L, apart from a constant; f sums to zero.
 pub fn solve(edges: &[Edge], f: &[f64]) -> Vec<f64> {
     let tree = Tree::heaviest(f.len(), edges);
     let mut p = tree.solve(edges, f);
@@ -93,7 +93,7 @@ pub fn solve(edges: &[Edge], f: &[f64]) -> Vec<f64> {
     p
 }
 
-/// `L p`.
+/// The product `L p` with the Laplacian L of the graph.
 fn product(edges: &[Edge], p: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; p.len()];
     for &Edge { ends: [a, b], weight } in edges {

@@ -1,4 +1,4 @@
-//! `C' = D_r C D_c` with powers of two: exact, and internal to the factorization.
+//! Scaling `C' = D_r C D_c` with diagonal matrices of powers of two: exact, and internal to the factorization.
 //!
 //! Rows are always scaled, so that the largest coefficient of a free DOF in each row lies in `[1, 2)`. The columns of a component
 //! are scaled only if equilibration would change a column with several coefficients by more than `2^10`. The rank of a block is found in
@@ -15,14 +15,14 @@ use super::numbering::{Exponents, LocalSystem};
 pub(crate) use balance::{Component, RANGE};
 pub(crate) use powers::{exponent, ldexp};
 
-/// Columns keep the user's units if these are within this power of two of equilibrated ones: pivots then lose about 10 of 53 bits.
+/// Columns keep the user's units if these are within this power of two of equilibrated units: pivots then lose about 10 of 53 bits.
 const NEAR: i32 = 10;
 
 /// Exponents of the scaling: `C'_ij = C_ij 2^(row[i] + col[j])`.
 #[derive(Clone, Debug)]
 pub(crate) struct Scaling {
     pub row: Vec<i32>,
-    /// Empty if no column is scaled.
+    /// The exponent of each column; empty if no column is scaled.
     pub col: Vec<i32>,
 }
 
@@ -57,7 +57,7 @@ pub(crate) fn balanced(system: LocalSystem, exponents: &[Exponents]) -> Scaling 
     scaling
 }
 
-/// Scaling with balanced columns in components that contain a marked equation, and rows scaled to match.
+/// The scaling that balances columns in components that contain a marked equation, with rows scaled to match.
 pub(crate) fn balanced_where(system: LocalSystem, is_marked: impl Fn(usize) -> bool) -> Scaling {
     let mut scaling = Scaling::none(system.equations());
     let in_range = |units: &Vec<i32>| units.iter().all(|unit| unit.abs() < RANGE);
@@ -68,7 +68,7 @@ pub(crate) fn balanced_where(system: LocalSystem, is_marked: impl Fn(usize) -> b
     scaling
 }
 
-/// By equation, the exponent of the factor that brings it to balanced units, up to a constant for each component. NaN for an equation
+/// For each equation, the exponent of the factor that brings it to balanced units, up to a constant for each component. NaN for an equation
 /// without free DOFs, and for components without a marked equation.
 pub(crate) fn balanced_rows(system: LocalSystem, is_marked: impl Fn(usize) -> bool) -> Vec<f64> {
     let mut units = vec![f64::NAN; system.equations()];
@@ -90,7 +90,7 @@ pub(crate) fn balanced_powers(
     }
 }
 
-/// Exponents of the columns; empty if no component is scaled. Only components with an equation for which `spans_much` is true can be.
+/// Exponents of the columns; empty if no component is scaled. Only components with an equation for which `spans_much` is true are scaled.
 fn units(
     system: LocalSystem,
     spans_much: impl Fn(usize) -> bool,

@@ -16,13 +16,13 @@ pub struct SystemBuilder {
     rhs: Vec<f64>,
     labels: Vec<String>,
     prescribed: Vec<(usize, f64)>,
-    /// Places in the input at which values are prescribed, by DOF.
+    /// Prescribed DOFs, each with the place in the input at which its value is prescribed.
     places: Vec<(usize, String)>,
     dof_labels: Vec<String>,
 }
 
 impl SystemBuilder {
-    /// No equations yet, on DOFs `0..dofs`.
+    /// A builder without equations, on DOFs `0..dofs`.
     pub fn new(dofs: usize) -> Self {
         Self { dofs, start: vec![0], ..Self::default() }
     }
@@ -68,7 +68,7 @@ impl SystemBuilder {
         self.places.push((dof, place.into()));
     }
 
-    /// Names all DOFs, in order.
+    /// Sets the labels of all DOFs, in order.
     pub fn dof_labels(&mut self, labels: Vec<String>) {
         self.dof_labels = labels;
     }

@@ -10,7 +10,7 @@ mod sprs;
 #[cfg(any(feature = "nalgebra-sparse", feature = "sprs"))]
 use crate::{Csr, SystemError};
 
-/// Columns must fit the library's 32-bit indices.
+/// Checks that a number of columns fits the library's 32-bit indices.
 #[cfg(any(feature = "nalgebra-sparse", feature = "sprs"))]
 fn columns_fit(found: usize) -> Result<(), SystemError> {
     if u32::try_from(found).is_ok() {

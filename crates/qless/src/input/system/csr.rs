@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::SystemError;
 
-/// Rows that one thread checks at a time.
+/// Number of rows that one thread checks at a time.
 const PART: usize = 1 << 13;
 
 /// Sparse m x n matrix in compressed rows; columns ascend within a row and none repeats.
@@ -40,7 +40,7 @@ impl Csr {
         Self { cols, start: vec![0], col: Vec::new(), val: Vec::new() }
     }
 
-    /// From the three arrays of the format: row `i` holds `(col[k], val[k])` for `k` in `start[i]..start[i + 1]`.
+    /// A matrix from the three arrays of the format: row `i` holds `(col[k], val[k])` for `k` in `start[i]..start[i + 1]`.
     ///
     /// ```
     /// use qless::{Csr, SystemError};
@@ -152,7 +152,7 @@ impl Csr {
         self.start.push(self.col.len());
     }
 
-    /// `A^T`, n x m, in O(m + n + nnz).
+    /// The transpose `A^T` (n x m), in O(m + n + nnz).
     ///
     /// ```
     /// use qless::Csr;
@@ -166,7 +166,7 @@ impl Csr {
     /// [`SystemError::TooLarge`] if there are more columns than the library allows rows, or than memory allows.
     pub fn transpose(&self) -> Result<Self, SystemError> {
         fits("the number of columns", self.cols)?;
-        // The number of columns can be large without any stored data; the other sizes cannot.
+        // The number of columns can be huge although little is stored, so these allocations may fail.
         let room = |_| SystemError::TooLarge { what: "the number of columns", found: self.cols };
         let (mut start, mut next) = (Vec::new(), Vec::new());
         start.try_reserve_exact(self.cols + 1).map_err(room)?;
@@ -175,7 +175,7 @@ impl Csr {
         Ok(self.transposed_with(start, next))
     }
 
-    /// [`Csr::transpose`] of a matrix whose columns are known to be few enough.
+    /// [`Csr::transpose`] without its check, for a matrix whose number of columns is known to be below the limit.
     #[must_use]
     pub(crate) fn transposed(&self) -> Self {
         self.transposed_with(vec![0; self.cols + 1], Vec::new())
@@ -203,7 +203,7 @@ impl Csr {
         Self { cols: self.rows(), start, col, val }
     }
 
-    /// `A x`.
+    /// The product `A x`.
     ///
     /// # Errors
     /// [`SystemError::WrongLength`] unless x has length n.
@@ -214,18 +214,18 @@ impl Csr {
         Ok(self.product(x))
     }
 
-    /// `A x` for x of length n.
+    /// The product `A x` for x of length n, which is not checked.
     pub(crate) fn product(&self, x: &[f64]) -> Vec<f64> {
         (0..self.rows()).map(|i| self.row(i).map(|(j, v)| v * x[j]).sum()).collect()
     }
 }
 
-/// Indices are 32-bit, and the library marks "none" with `u32::MAX`.
+/// Checks that a size fits 32-bit indices; `u32::MAX` itself marks a missing index.
 pub(super) fn fits(what: &'static str, found: usize) -> Result<(), SystemError> {
     if found < u32::MAX as usize { Ok(()) } else { Err(SystemError::TooLarge { what, found }) }
 }
 
-/// Checks starts of compressed rows or columns: they ascend from 0 to the number of entries, and there are as many values as indices.
+/// Checks the starts of compressed rows or columns: they ascend from 0 to the number of entries, and there are as many values as indices.
 pub(super) fn check_starts(start: &[usize], nnz: usize, values: usize) -> Result<(), SystemError> {
     if values != nnz {
         return Err(SystemError::WrongLength { what: "the list of values", found: values, expected: nnz });

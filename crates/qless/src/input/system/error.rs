@@ -7,9 +7,9 @@ pub enum SystemError {
     /// A coefficient, right-hand side or prescribed value is NaN or infinite.
     #[error("{what} is {value}; every number must be finite")]
     NotFinite {
-        /// Which number, with its row and column.
+        /// The number that is not finite: what it is, with its row and column.
         what: Place,
-        /// The value found.
+        /// The value that is not finite.
         value: f64,
     },
     /// A DOF number is not below the number of DOFs.
@@ -17,7 +17,7 @@ pub enum SystemError {
     DofOutOfRange {
         /// The coefficient, right-hand side or prescribed value that has this DOF.
         what: Place,
-        /// The DOF named.
+        /// The DOF number that was given.
         dof: usize,
         /// Number of DOFs.
         dofs: usize,
@@ -27,7 +27,7 @@ pub enum SystemError {
     RowOutOfRange {
         /// Position of the entry in the list given.
         entry: usize,
-        /// The row named.
+        /// The row number that was given.
         row: usize,
         /// Number of rows.
         rows: usize,
@@ -35,7 +35,7 @@ pub enum SystemError {
     /// Arrays have different lengths, but their lengths must agree.
     #[error("{what} has {found} entries, expected {expected}")]
     WrongLength {
-        /// Which array.
+        /// The name of the array.
         what: &'static str,
         /// The length of the array.
         found: usize,
@@ -47,7 +47,7 @@ pub enum SystemError {
     NotAscending {
         /// The row.
         row: usize,
-        /// The column found.
+        /// The column that is not above the one before it.
         column: usize,
         /// The column before it.
         before: usize,
@@ -65,9 +65,9 @@ pub enum SystemError {
     PrescribedTwice {
         /// The DOF.
         dof: usize,
-        /// The value met first.
+        /// The value that comes first in the input.
         first: f64,
-        /// The value met later.
+        /// The value that comes later.
         second: f64,
     },
     /// There are no DOFs.
@@ -81,7 +81,7 @@ pub enum SystemError {
     BadIndex {
         /// The place of the index in the list of indices.
         place: usize,
-        /// Rows and columns of the matrix.
+        /// Number of rows and of columns of the matrix.
         dofs: usize,
     },
     /// An entry lies in the half of a symmetric matrix that, according to the caller, is not stored.
@@ -99,7 +99,7 @@ pub enum SystemError {
     /// A size exceeds the 32-bit indices of the library, or the memory.
     #[error("{what} is {found}; at most {} are supported", u32::MAX - 1)]
     TooLarge {
-        /// Which size.
+        /// The name of the size.
         what: &'static str,
         /// The size.
         found: usize,

@@ -1,4 +1,4 @@
-//! `C u = b` with some DOFs prescribed (Eq. 2, 20): the validated input of all other stages.
+//! `C u = b` with some DOFs prescribed (Eq. 2 and 20 of the paper): the validated input of all other stages.
 //!
 //! All numbers of a [`ConstraintSystem`] are finite, all indices are in range, and a row has each DOF at most once. Coefficients given for
 //! the same row and DOF are summed; a sum that cancels to rounding (a few units in the last place of its terms) is not stored.
@@ -48,12 +48,12 @@ struct Numbers {
 struct SystemLabels {
     equations: Vec<String>,
     dofs: Vec<String>,
-    /// Places in the input at which values are prescribed, ascending by DOF.
+    /// Prescribed DOFs, ascending, each with the place in the input at which its value is prescribed.
     places: Vec<(usize, String)>,
 }
 
 impl ConstraintSystem {
-    /// From triplets `(row, DOF, coefficient)`, which are summed if they repeat, and b of length `rows`.
+    /// A system from triplets `(row, DOF, coefficient)`, which are summed if they repeat, and b of length `rows`.
     ///
     /// # Errors
     /// [`SystemError`] for an index out of range, a number that is not finite, or a wrong length.
@@ -67,7 +67,7 @@ impl ConstraintSystem {
         builder::from_triplets(rows, dofs, triplets, rhs, prescribed)
     }
 
-    /// From compressed columns: entries `start[j]..start[j + 1]` belong to DOF j.
+    /// A system from compressed columns: entries `start[j]..start[j + 1]` belong to DOF j.
     ///
     /// # Errors
     /// As [`ConstraintSystem::from_triplets`], and [`SystemError::BadStarts`].
@@ -82,7 +82,7 @@ impl ConstraintSystem {
         builder::from_csc(rows, start, row, value, rhs, prescribed)
     }
 
-    /// From compressed rows, such as those made from the matrices of `sprs` or `nalgebra-sparse` (features of these names).
+    /// A system from compressed rows, such as those made from the matrices of `sprs` or `nalgebra-sparse` (features of these names).
     ///
     /// # Errors
     /// [`SystemError`], as for [`ConstraintSystem::from_triplets`].
@@ -141,7 +141,7 @@ impl ConstraintSystem {
         self
     }
 
-    /// A copy with the selected coefficients and right-hand sides; the others are zero. Labels are shared.
+    /// A copy with the selected coefficients and right-hand sides; all others become zero. Labels are shared.
     pub(crate) fn only(&self, entry: impl Fn(usize, usize) -> bool, side: impl Fn(usize) -> bool) -> Self {
         let Numbers { matrix, rhs, prescribed } = &*self.numbers;
         let mut some = Csr::empty(matrix.cols);
@@ -173,12 +173,12 @@ impl ConstraintSystem {
         self.dofs() - self.numbers.prescribed.len()
     }
 
-    /// C, m x n.
+    /// The matrix C of the equations, m x n.
     pub fn matrix(&self) -> &Csr {
         &self.numbers.matrix
     }
 
-    /// b, length m.
+    /// The right-hand sides b; length m.
     pub fn rhs(&self) -> &[f64] {
         &self.numbers.rhs
     }

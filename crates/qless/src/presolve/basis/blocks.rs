@@ -30,7 +30,7 @@ impl BlockCertificate {
 
 /// Computes certificates of the rows that a block dropped.
 pub(crate) trait LateTerms: Debug + Send + Sync {
-    /// The terms for the k-th row, ascending.
+    /// The terms of the certificate of the k-th dropped row, ascending.
     fn terms(&self, k: usize) -> Vec<(u32, f64)>;
 }
 
@@ -39,13 +39,13 @@ pub(crate) trait LateTerms: Debug + Send + Sync {
 pub(crate) struct BlockDependent {
     pub row: u32,
     pub because: BlockCertificate,
-    /// In the units of the block, the error of each y_i is at most this number times the number of terms, in units in the last place of the
-    /// largest y_i.
+    /// Bounds the error of each coefficient y_i of the certificate, in the units of the block: this number times the number of terms, in
+    /// units in the last place of the largest y_i.
     pub units: f64,
-    /// Remainder of the row, relative to its size.
+    /// What remains of the row after its certificate is subtracted, relative to the size of the row.
     pub dropped: f64,
-    /// `b - C_p u_p` of the row minus that of its certificate. While blocks with the same matrix are diagnosed together,
-    /// there is one for each of them.
+    /// The right-hand side of the row (without prescribed terms) minus that of its certificate. While blocks with the same matrix are
+    /// diagnosed together, there is one for each of them.
     pub mismatches: Vec<Mismatch>,
 }
 
@@ -76,13 +76,14 @@ pub(crate) struct Solved {
 pub(crate) struct Vectors {
     /// Random vectors of the null space of the kept rows: admissible motions of the DOFs.
     pub moves: [Vec<f64>; 2],
-    /// Minimum-norm solution for the random right-hand side.
+    /// Minimum-norm solution of the kept rows for a random right-hand side.
     pub sample: Vec<f64>,
-    /// Minimum-norm solution for `b - C_p u_p`.
+    /// Minimum-norm solution of the kept rows for the right-hand side `b - C_p u_p`.
     pub particular: Vec<f64>,
 }
 
-/// A DOF moves if its entry in a random vector of the null space is above `ZERO_UNITS eps / sigma`, limited to [`ZERO`].
+/// A DOF moves if its entry in a random vector of the null space is above `ZERO_UNITS eps / sigma`, limited to [`ZERO`]; sigma is the
+/// smallest singular value of the kept rows.
 const ZERO_UNITS: f64 = 8.0;
 /// Lower and upper limit of the threshold `ZERO_UNITS eps / sigma`, for any sigma.
 const ZERO: [f64; 2] = [1e-13, 1e-8];

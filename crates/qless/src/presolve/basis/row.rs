@@ -14,7 +14,7 @@ pub(crate) struct BasisRow<'a> {
 }
 
 impl<'a> BasisRow<'a> {
-    /// Terms without the slave.
+    /// A row whose terms do not contain the slave.
     pub fn new(dofs: &'a [u32], values: &'a [f64]) -> Self {
         Self { dofs, values, slave: dofs.len(), divisor: 1.0, factor: 1.0 }
     }
@@ -42,7 +42,7 @@ impl<'a> BasisRow<'a> {
     /// DOF and coefficient of term k.
     #[inline]
     fn term(&self, k: usize) -> (u32, f64) {
-        // A branch here would be unpredictable.
+        // Skips the slave without a branch, which would be unpredictable.
         let at = k + usize::from(k >= self.slave);
         (self.dofs[at], self.value(self.values[at]))
     }

@@ -23,7 +23,7 @@ mod pivots;
 /// A coefficient that retains less than this fraction of its terms is not used as a pivot: it has lost three digits.
 pub(crate) const SUSPECT: f64 = 1e-3;
 /// A pivot of a DOF in few rows is at least this fraction of each entry that it eliminates, which bounds the multipliers. In a row of two
-/// DOFs, the smaller coefficient must be at least this fraction of the larger one to be the cheaper pivot.
+/// DOFs, the smaller coefficient can be the pivot only if it is at least this fraction of the larger one.
 const THRESHOLD: f64 = 0.1;
 /// Levels of elimination, tried in this order. A pivot is at least `of_row` times the largest coefficient of its row. Strict levels come
 /// first and limit the growth of T. The first three add no fill; the others are used only while a part has more than [`LARGE`] rows.
@@ -37,7 +37,8 @@ const LEVELS: [FillLevel; 6] = [
 ];
 const WITHOUT_FILL: usize = 3;
 
-/// Bound of the product of coefficients along a path from slave to slave. Larger products could make entries of T large and inaccurate.
+/// Bound of the product of coefficients along a path of substitutions from slave to slave. Larger products could make entries of T large
+/// and inaccurate.
 const PATH: f64 = 1e3;
 
 /// A row with more free DOFs than this is not subtracted from other rows, because that would copy all of it.
@@ -69,15 +70,15 @@ struct LowFillElimination<'a> {
     out: Eliminated,
     state: Vec<EquationState>,
     is_free: &'a [bool],
-    /// By DOF, the rows that may contain it: an unsorted superset; `count` is exact.
+    /// For each DOF, the rows that may contain it: an unsorted superset; `count` is exact.
     holders: Vec<Vec<u32>>,
     count: Vec<u32>,
-    /// By DOF, the largest product of coefficients along a path from a slave to it.
+    /// For each DOF, the largest product of coefficients along a path of substitutions from a slave to this DOF.
     path: Vec<f64>,
     /// Largest coefficient of a free DOF in each row; NaN if the row has changed since the value was computed.
     largest: Vec<f64>,
     short_rows: VecDeque<u32>,
-    /// By level, DOFs that occur in few rows; a DOF without an allowed pivot moves to the next level.
+    /// For each level, DOFs that occur in few rows; a DOF without an allowed pivot moves to the next level.
     rare_dofs: [VecDeque<u32>; LEVELS.len()],
     /// Number of rows that are neither pivot rows nor dependent; while `filling`, only rows of the current part count.
     active: usize,

@@ -1,6 +1,6 @@
 //! Chooses the slaves of a factored block by sparse LU, and exchanges them until the search finds no entry of T above the bound.
 //!
-//! Each exchange multiplies `|det C_S|` by the entry of T that is above the bound, so the exchanges end.
+//! Each exchange multiplies `|det C_S|` (C_S: the columns of the slaves) by the entry of T that is above the bound, so the exchanges end.
 
 use super::FactoredBlock;
 use super::finishing::candidates;
@@ -15,7 +15,8 @@ use crate::reduction::relation::ReductionInput;
 
 /// If the bound of growth is at least this, slaves are first chosen locally ([`candidates`]): that is fastest, but T can be large.
 const LOOSE: f64 = 1e3;
-/// Number of factorizations with exchanged slaves before T is formed explicitly instead.
+/// Largest number of factorizations in a search for slaves; after each one, slaves are exchanged. If all exceed the bound, T is formed
+/// explicitly instead.
 const ROUNDS: usize = 8;
 
 /// Factors the independent equations of a part. None if no slaves are found that meet the bound: then T must be explicit.
@@ -78,7 +79,8 @@ impl<'a> ScaledPart<'a> {
         part
     }
 
-    /// Factors with slaves among the DOFs that `may` allows, exchanged until the growth is within the bound.
+    /// Factors the part with slaves among the DOFs that `may` allows. Slaves are exchanged until the growth is within the bound; None if
+    /// that fails.
     fn within(
         &self,
         mut may: Vec<bool>,
@@ -89,7 +91,7 @@ impl<'a> ScaledPart<'a> {
             self.prefer(&mut may, input)?;
         }
         for _ in 0..ROUNDS {
-            // L needs no rows for DOFs that cannot be slaves.
+            // The factor L needs no rows for DOFs that cannot be slaves.
             let rows = only(&self.free, &may);
             let order = crate::factor::backend::sparse::order(&rows)?;
             let Some(lu) = independent_lu(&rows, &order, |j| may[j], input.memory)? else { return Ok(None) };

@@ -81,7 +81,7 @@ impl FactoredBlock {
         best
     }
 
-    /// Row k of T (by slave of the block): masters, ascending, and coefficients.
+    /// The row of T of the k-th slave of the block, as (master, coefficient), ascending.
     pub(crate) fn row(&self, k: usize) -> Vec<(usize, f64)> {
         let mut unit = vec![0.0; self.slaves.len()];
         unit[k] = 1.0;
@@ -89,7 +89,7 @@ impl FactoredBlock {
         row.filter(|(v, _)| *v != 0.0).map(|(v, &j)| (j, v)).collect()
     }
 
-    /// `T^T f` over the masters.
+    /// `T^T f` for forces f on the slaves of the block, by master.
     pub(crate) fn row_of(&self, f: &[f64]) -> Vec<f64> {
         let mut f = f.to_vec();
         super::rescale(&mut f, &self.exponents[0], 1);
@@ -100,7 +100,7 @@ impl FactoredBlock {
         sum
     }
 
-    /// Column j of T, by slave.
+    /// The column of T of the j-th master of the block, by slave.
     pub(crate) fn column_of(&self, j: usize) -> Vec<f64> {
         let mut unit = vec![0.0; self.masters.len()];
         unit[j] = 1.0;

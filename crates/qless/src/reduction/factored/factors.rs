@@ -10,17 +10,17 @@ use crate::input::scale::ldexp;
 /// The factors of a [`FactoredBlock`]: [`FactoredBlock::parts`].
 #[derive(Clone, Debug)]
 pub struct Parts {
-    /// Equation of each row of `C_S`, C_M, C_p and b.
+    /// The equation of each row of `of_masters`, `of_prescribed` and `rhs`.
     pub equations: Vec<usize>,
-    /// L, with its diagonal of ones.
+    /// The factor L of `C_S = U^T L^T`, with its diagonal of ones; C_S are the columns of the slaves.
     pub lower: Csr,
-    /// U.
+    /// The factor U of `C_S = U^T L^T`.
     pub upper: Csr,
-    /// C_M.
+    /// C_M, the columns of the masters.
     pub of_masters: Csr,
-    /// C_p.
+    /// C_p, the columns of the prescribed DOFs.
     pub of_prescribed: Csr,
-    /// b.
+    /// The right-hand sides b.
     pub rhs: Vec<f64>,
 }
 

@@ -2,7 +2,8 @@
 //!
 //! Each step takes the DOF with the fewest remaining equations. These equations are a group. If the group can be solved for DOFs that occur
 //! only in the group, the other equations do not change. In a chain of bodies the groups are the equations of one body after the other,
-//! from an end of the chain, and `C_S` is a narrow band. The rows of L of masters, which would fill, are never formed.
+//! from an end of the chain, and `C_S` is a narrow band. The rows of the factor L that belong to masters, which would fill, are never
+//! formed.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -36,7 +37,7 @@ pub(super) fn candidates(equations: &Csr) -> Vec<bool> {
 
 struct GroupSearch<'a> {
     equations: &'a Csr,
-    /// The equations of each DOF.
+    /// For each DOF, the equations that contain it.
     columns: Csr,
     done: Vec<bool>,
     /// Number of remaining equations of each DOF.
@@ -88,7 +89,8 @@ impl<'a> GroupSearch<'a> {
     }
 }
 
-/// Pivot columns by elimination with complete pivoting; rows are scaled to a largest coefficient of 1.
+/// Pivot columns by elimination with complete pivoting. In each row, the largest coefficient of the whole equation is scaled to 1. None if
+/// a pivot is below [`LEAST`].
 fn pivots(mut rows: Vec<Vec<f64>>) -> Option<Vec<usize>> {
     let mut chosen = Vec::with_capacity(rows.len());
     while !rows.is_empty() {

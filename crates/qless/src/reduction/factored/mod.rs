@@ -1,4 +1,4 @@
-//! `u_s = C_S^-1 (b - C_M u_q - C_p u_p)`: a part of the equations whose T is applied by factors instead of formed (Eq. 23).
+//! `u_s = C_S^-1 (b - C_M u_q - C_p u_p)`: a part of the equations whose T is applied by factors instead of formed (Eq. 23 of the paper).
 //!
 //! `C_S = U^T L^T` by sparse LU of C^T with threshold pivoting, which chooses well-conditioned slaves among all DOFs of the part.
 //! Each application takes two triangular solves and a step of refinement, O(nnz(L) + nnz(U) + nnz(C)).
@@ -30,10 +30,10 @@ pub struct FactoredBlock {
     pub(crate) predicted: usize,
     pub(crate) growth: f64,
     solver: SlaveSolver,
-    /// C_M and C_p, scaled; columns as `masters` and `prescribed`.
+    /// The scaled columns C_M of the masters, in the order of `masters`. The next field has C_p in the order of `prescribed`.
     of_masters: Csr,
     of_prescribed: Csr,
-    /// b, scaled.
+    /// The scaled right-hand sides b.
     pub(crate) rhs: Vec<f64>,
     /// Exponents of the scaling of slaves, masters and prescribed DOFs; empty if columns are not scaled.
     exponents: [Vec<i32>; 3],
@@ -41,7 +41,7 @@ pub struct FactoredBlock {
     rows: Vec<i32>,
 }
 
-/// `x <- 2^exponents x`.
+/// Multiplies each `x_i` by `2^(sign exponents_i)`.
 fn rescale(x: &mut [f64], exponents: &[i32], sign: i32) {
     x.iter_mut().zip(exponents).for_each(|(x, &e)| *x = ldexp(*x, sign * e));
 }
@@ -98,7 +98,7 @@ impl FactoredBlock {
         self.slaves.iter().zip(x).for_each(|(&j, x)| u[j] = x);
     }
 
-    /// g, by slave.
+    /// The constants g of the slaves, in the order of `slaves`.
     pub(crate) fn constants(&self) -> Vec<f64> {
         let mut x = self.solver.solve_dense(&self.rhs);
         rescale(&mut x, &self.exponents[0], 1);
@@ -127,7 +127,7 @@ impl FactoredBlock {
         std::mem::replace(&mut self.rhs, new)
     }
 
-    /// Number of stored entries: of L, U, C_M and C_p.
+    /// Number of stored entries of the factors L and U and of the columns of masters and prescribed DOFs.
     pub fn nnz(&self) -> usize {
         self.solver.nnz() + self.of_masters.nnz() + self.of_prescribed.nnz()
     }

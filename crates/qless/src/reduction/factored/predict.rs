@@ -15,8 +15,8 @@ pub(crate) struct Prediction {
     pub needs_work: bool,
 }
 
-/// A row of T has at most the entries of its masters and of the rows of its slaves, and at most one per master of the part.
-/// `row(t)` is the user's equation of row t of the basis, `block_row(k)` an equation of block k.
+/// Predicts the sizes of each part, by label. A row of T has at most the entries of its masters and of the rows of its slaves, and at most
+/// one per master of the part. `row(t)` is the user's equation of row t of the basis, `block_row(k)` an equation of block k.
 pub(crate) fn predict(
     local: LocalSystem,
     basis: &Basis,

@@ -1,4 +1,4 @@
-//! Expansion of one term of a reduction, T u_q, G u_p or g, to all DOFs.
+//! Expands one term of a reduction (T u_q, G u_p or g) to all DOFs.
 
 use rayon::prelude::*;
 
@@ -9,7 +9,7 @@ use crate::input::numbering::LocalSystem;
 use crate::input::scale::{Scaling, exponent, ldexp};
 use crate::reduction::Reduction;
 
-/// The values of all DOFs by one term of the reduction.
+/// The values that one term of the reduction gives all DOFs.
 pub struct Expanded {
     pub u: Vec<f64>,
     /// For each DOF the sum of the magnitudes of its terms, if it was computed. The magnitude of the DOF itself is a lower bound.
@@ -90,7 +90,7 @@ impl Expanded {
         each(named.len(), |l| users[named[l] as usize])
     }
 
-    /// Computes the sizes.
+    /// Computes [`Expanded::sizes`] for the same random masters and prescribed values.
     pub fn measure(&mut self, input: ExpansionInput, keys: &RandomKeys) {
         let mut sizes = Self::by_rows(input, Some(keys), f64::abs);
         sizes.iter_mut().zip(&self.u).for_each(|(size, u)| *size = size.max(u.abs()));

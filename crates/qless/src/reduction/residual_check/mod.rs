@@ -1,9 +1,10 @@
-//! Every reduction is checked against the user's equations before it is returned: `C_S T = -C_M`, `C_S G = -C_p`, `C_S g = b`.
+//! Every reduction is checked against the user's equations before it is returned: `C_S T = -C_M`, `C_S G = -C_p`, `C_S g = b`. C_S, C_M and
+//! C_p are the columns of slaves, masters and prescribed DOFs.
 //!
 //! The terms T u_q, G u_p and g are expanded separately, with random u_q and u_p, and inserted into the equations. A residual is relative
 //! to the coefficients of the equation times the largest DOF of the part. The size of a DOF is the sum of the magnitudes of its terms, in
-//! the unit of the DOF. For g, the residual of an equation with a right-hand side is relative to the terms of this equation. One pass over
-//! C, T and G. The connected parts are found only if a residual is not small relative to the terms of its equation.
+//! the unit of the DOF. For g, the residual of an equation with a right-hand side is relative to the terms of this equation. The check
+//! takes one pass over C, T and G. The connected parts are found only if a residual is not small relative to the terms of its equation.
 
 mod expanded;
 
@@ -109,7 +110,7 @@ impl Residuals {
     }
 }
 
-/// Refuses a reduction whose largest residual is above the limit.
+/// Returns an error if the largest residual of a reduction is above the limit.
 pub(crate) fn pass(found: &Residuals, reduction: &Reduction) -> Result<(), ReductionError> {
     if found.worst <= LIMIT {
         return Ok(());
@@ -165,7 +166,7 @@ impl Expanded {
         }
     }
 
-    /// `C_i u - b_i` and the sum of the magnitudes of its terms, both times `unit`; `sizes` are those of the DOFs.
+    /// Both `C_i u - b_i` and the sum of the magnitudes of its terms, times `unit`; `sizes` are the sums of magnitudes for each DOF.
     #[inline]
     fn sums(&self, local: LocalSystem, i: usize, unit: f64, sizes: &[f64]) -> (f64, f64) {
         let b = self.rhs(local, i) * unit;

@@ -1,4 +1,4 @@
-//! Steps 3 and 4 of Figure 7: the elimination to triangular form, and the removal of dependent rows.
+//! Steps 3 and 4 of Figure 7 of the paper: the elimination to triangular form, and the removal of dependent rows.
 //!
 //! A pivot is at least half the largest entry of its row, so that R is dominated by its diagonal and `R1^-1` stays small. It is at least
 //! a tenth of the largest entry of its column, so that no multiplier exceeds ten. Among the entries of a row that are large enough, the
@@ -7,7 +7,7 @@
 //! are large.
 //!
 //! Measured on mortar ties and on a band of 1e5 rows: with a tenth for rows too, R1 of the band has a smallest singular value of 1e-18
-//! instead of 1e-2; with 0.7, R has half as many entries again; with a hundredth for columns, ranks of ties are wrong.
+//! instead of 1e-2; with 0.7 for rows, R has 1.5 times as many entries; with a hundredth for columns, ranks of ties are wrong.
 
 use super::ledger::Ledger;
 use super::queue::Queue;
@@ -19,10 +19,10 @@ use crate::factor::backend::{BackendError, Factor};
 const OF_ROW: f64 = 0.5;
 /// A pivot is at least this fraction of the largest entry of its column.
 const OF_COLUMN: f64 = 0.1;
-/// Number of entries of a row that are tried as pivots.
+/// Largest number of entries of a row that are tried as pivots.
 const TRIED: usize = 4;
 
-/// Fewest waiting rows first, then the larger entry, then the earlier column.
+/// The order in which entries are tried as pivots: fewest waiting rows in the column first, then the larger entry, then the earlier column.
 type PivotRank = (u32, u64, u32);
 
 /// The augmented block `[A B]` (the paper's Step 1): A by sparse rows, B dense.
@@ -37,9 +37,9 @@ pub(super) struct GaussElimination {
     pivots: Vec<(u32, u32)>,
     /// Sum of the squares of the entries of dropped rows that were treated as zero.
     dropped: f64,
-    /// The column that was read last: its waiting rows, and its position in each.
+    /// The column that was read last: its waiting rows, and in each of them the position of the entry in this column.
     column: Vec<(u32, u32)>,
-    /// By row, the sum of the squares of the entries that cancelled.
+    /// For each row, the sum of the squares of the entries that cancelled.
     cancelled: Vec<f64>,
     pivot: PivotRow,
 }
@@ -123,7 +123,7 @@ impl GaussElimination {
         ranked.filter(|(rank, _)| last.is_none_or(|last| *rank > last)).min_by_key(|&(rank, _)| rank)
     }
 
-    /// Reads a column; returns the size of its largest entry and the row of that entry.
+    /// Reads a column into `self.column`; returns the size of its largest entry and the row of that entry.
     fn largest_in(&mut self, col: u32) -> (f64, u32) {
         self.columns.read(col, &self.rows, |row| self.queue.waits(row), &mut self.column);
         let size = |&(i, place): &(u32, u32)| (self.rows[i as usize][place as usize].value.abs(), i);
@@ -162,7 +162,7 @@ impl GaussElimination {
         Ok(())
     }
 
-    /// `row i <- row i - factor row`, without the pivot's column.
+    /// Subtracts `factor` times the pivot row from row i; the entry in the pivot's column was removed before.
     fn subtract(&mut self, i: u32, factor: f64, row: u32) -> Result<(), BackendError> {
         let target = &mut self.rows[i as usize];
         let cancelled = self.pivot.subtract_from(target, factor, i, &mut self.columns, &mut self.ledger)?;
@@ -194,7 +194,7 @@ impl GaussElimination {
         Ok(Factor { rank: self.pivots.len(), order, r, rhs, rest, dropped: self.dropped.sqrt() })
     }
 
-    /// Column j of A is column `place[j]` of R. Each row is freed after it is copied.
+    /// The pivot rows as rows of R: column j of A is column `place[j]` of R. Each row is freed after it is copied.
     fn rows_of_r(&mut self, place: &[usize]) -> Result<Csr, BackendError> {
         let entries = self.pivots.iter().map(|&(i, _)| self.rows[i as usize].len()).sum();
         let mut r = Csr::empty(place.len());
@@ -211,7 +211,7 @@ impl GaussElimination {
     }
 }
 
-/// A by rows.
+/// The block A by rows.
 fn rows(columns: &Csr, ledger: &mut Ledger) -> Result<Vec<Vec<GaussEntry>>, BackendError> {
     let mut rows: Vec<Vec<GaussEntry>> = ledger.filled(Vec::new(), columns.cols)?;
     let mut lengths = ledger.filled(0, columns.cols)?;
@@ -227,7 +227,7 @@ fn rows(columns: &Csr, ledger: &mut Ledger) -> Result<Vec<Vec<GaussEntry>>, Back
     Ok(rows)
 }
 
-/// B by rows, and the sums of squares of its dropped rows.
+/// The right-hand sides B by rows, and for each of them the sum of the squares of its entries in dropped rows.
 struct Right {
     width: usize,
     values: Vec<f64>,

@@ -37,7 +37,7 @@ impl Ledger {
             return Ok(());
         }
         let wanted = (list.len() + more).max(before + before / 2);
-        // During the move both lists exist.
+        // While the values move to the larger list, both lists exist and count.
         self.take::<T>(wanted)?;
         let Self { rows, cols, .. } = *self;
         let refused = |_| BackendError::OutOfMemory { backend: "gauss", rows, cols, advice: "" };

@@ -13,12 +13,12 @@ pub(super) struct Queue {
     previous: Vec<u32>,
     /// Length of each row; [`NONE`] if the row does not wait.
     length: Vec<u32>,
-    /// No row is shorter than this.
+    /// No waiting row is shorter than this.
     least: usize,
 }
 
 impl Queue {
-    /// Rows `0..rows` of at most `longest` entries, none of them waiting yet.
+    /// A queue for rows `0..rows` of at most `longest` entries; none of them waits yet.
     pub fn new(rows: usize, longest: usize, ledger: &mut Ledger) -> Result<Self, BackendError> {
         Ok(Self {
             head: ledger.filled(NONE, longest + 2)?,
@@ -33,7 +33,7 @@ impl Queue {
         self.length[row as usize] != NONE
     }
 
-    /// A shortest row, of these the one whose length changed last.
+    /// Among the shortest waiting rows, the one whose length changed last.
     pub fn first(&mut self) -> Option<u32> {
         while self.least < self.head.len() && self.head[self.least] == NONE {
             self.least += 1;
@@ -41,7 +41,7 @@ impl Queue {
         self.head.get(self.least).copied()
     }
 
-    /// The row waits with this length from now on.
+    /// Makes the row wait with this length.
     pub fn set(&mut self, row: u32, length: usize) {
         if self.length[row as usize] == length as u32 {
             return;
@@ -56,7 +56,7 @@ impl Queue {
         self.least = self.least.min(length);
     }
 
-    /// The row waits behind all others until its length is set again.
+    /// Makes the row wait behind all others until its length is set again.
     pub fn set_last(&mut self, row: u32) {
         self.set(row, self.head.len() - 1);
     }
@@ -65,7 +65,7 @@ impl Queue {
         self.length[row as usize] as usize == self.head.len() - 1
     }
 
-    /// The row no longer waits.
+    /// Removes the row from the queue, if it waits.
     pub fn remove(&mut self, row: u32) {
         if !self.waits(row) {
             return;

@@ -46,7 +46,7 @@ pub(super) fn largest(row: &[GaussEntry]) -> f64 {
 pub(super) struct PivotRow {
     pub entries: Vec<GaussEntry>,
     place: Vec<u32>,
-    /// By position in `entries`, true if the row that is being updated has an entry in the same column.
+    /// For each position in `entries`, true if the row that is being updated has an entry in the same column.
     met: Vec<bool>,
 }
 
@@ -154,7 +154,7 @@ impl WaitingRows {
         Ok(())
     }
 
-    /// A row lost its entry in the column or no longer waits; `read` removes it from the list.
+    /// Counts one row less in the column: the row lost its entry or no longer waits. [`WaitingRows::read`] removes it from the list.
     pub fn forget(&mut self, col: u32) {
         self.count[col as usize] -= 1;
     }

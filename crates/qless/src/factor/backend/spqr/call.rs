@@ -23,13 +23,14 @@ pub(super) struct Call {
 }
 
 impl Call {
-    /// None if memory is exhausted.
+    /// Starts CHOLMOD; None if memory is exhausted.
     pub fn start(order_length: usize) -> Option<Self> {
         let common = Common::start()?;
         Some(Self { common, z: null_mut(), r: null_mut(), order: null_mut(), order_length })
     }
 
-    /// The rank, or CHOLMOD's status. The column order is always requested: without it SPQR 2.1 frees a rank-deficient R twice.
+    /// Returns the rank, or CHOLMOD's status if the call failed. The column order is always requested: without it SPQR 2.1 frees a
+    /// rank-deficient R twice.
     pub fn run(&mut self, columns: &Csr, b: TallRhs, tolerance: f64) -> Result<usize, i32> {
         let no_memory = |_| spqr_sys::CHOLMOD_OUT_OF_MEMORY;
         let starts = columns.start.iter().map(|&entry| entry as i64);
@@ -122,7 +123,7 @@ impl Call {
         }
     }
 
-    /// `Q^T B`, m x k.
+    /// The transformed right-hand sides `Q^T B`, m x k.
     fn transformed(&self, count: usize) -> TallRhs<'_> {
         if count == 0 {
             return TallRhs { rows: 0, count, values: &[] };
@@ -223,7 +224,7 @@ struct Places {
 unsafe impl Sync for Places {}
 
 impl InColumns<'_> {
-    /// Rows 0..rank without exact zeros, on this number of threads of the caller's pool.
+    /// Converts rows 0..rank to compressed rows without exact zeros, on this number of threads of the caller's pool.
     ///
     /// R is by far the largest result, so it is written only once, and its allocation can fail. Each thread takes a range of columns
     /// and writes its entries of each row after those of the ranges before.
@@ -254,7 +255,7 @@ impl InColumns<'_> {
         (0..count).map(|part| bound(part)..if part + 1 == count { columns } else { bound(part + 1) }).collect()
     }
 
-    /// Rows and values of these columns.
+    /// The rows and values of the entries of these columns.
     fn entries(self, columns: Range<usize>) -> impl Iterator<Item = (usize, f64)> {
         let range = self.start[columns.start] as usize..self.start[columns.end] as usize;
         self.row[range.clone()].iter().map(|&row| row as usize).zip(self.value[range].iter().copied())
@@ -317,7 +318,7 @@ mod tests {
         let (mut start, mut row, mut value) = (vec![0], Vec::new(), Vec::new());
         let mut expected = vec![Vec::new(); rank];
         for j in 0..columns {
-            // Rows that do not ascend, exact zeros, and rows beyond the rank.
+            // The test covers rows that do not ascend, exact zeros, and rows beyond the rank.
             for i in (0..=j).rev().filter(|i| (i * 7 + j * 5) % 11 < 4) {
                 let entry = if (i + j) % 13 == 0 { 0.0 } else { (1 + i) as f64 / (1 + j) as f64 };
                 row.push(i as i64);

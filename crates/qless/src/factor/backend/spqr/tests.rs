@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// A by columns, with its rank.
+/// A matrix A by columns, with its rank.
 struct Case {
     name: &'static str,
     columns: Csr,
@@ -32,7 +32,7 @@ impl Seeded {
     }
 }
 
-/// m x n with a dominant diagonal; of the n columns each `period`-th is the difference of the two before.
+/// An m x n matrix with a dominant diagonal. Each `period`-th column is the difference of the two columns before it.
 fn random(name: &'static str, m: usize, n: usize, period: usize) -> Case {
     let mut seeded = Seeded((m * 1000 + n) as u64);
     let mut dense: Vec<Vec<f64>> = Vec::new();
@@ -268,7 +268,7 @@ fn empty_shapes_and_many_right_hand_sides() {
     }
 }
 
-/// m x n without entries, except that all columns have one entry if m is 1.
+/// An m x n matrix without entries, except that all columns have one entry if m is 1.
 fn from_columns(m: usize, n: usize) -> Csr {
     let mut columns = Csr::empty(m);
     (0..n).for_each(|_| columns.append((m == 1).then_some((0, 2.0))));

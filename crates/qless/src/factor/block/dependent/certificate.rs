@@ -38,8 +38,8 @@ pub(crate) struct Rows {
     pub nearness: Nearness,
     /// The factor of the kept rows.
     pub triangle: Triangle,
-    /// Root mean square of the remainders of the dependent rows; their largest 2-norm if the choice of kept rows was repaired. 0 if
-    /// rounding explains the remainders.
+    /// Root mean square of the 2-norms of the dependent rows' remainders; the largest of these norms if the choice of kept rows was
+    /// repaired. 0 if rounding explains the remainders.
     pub left: f64,
 }
 
@@ -54,8 +54,8 @@ pub(super) struct Choice {
 #[derive(Clone, Copy)]
 pub(super) struct Weakest {
     pub row: usize,
-    /// `sigma / |y_k|`, where y_k is the component of the row in the singular vector: an upper bound of the distance of the row from the
-    /// span of the other kept rows.
+    /// `sigma / |y_k|`: an upper bound of the distance of the row from the span of the other kept rows. sigma is the smallest singular
+    /// value, and y_k is the component of the row in its singular vector.
     pub left: f64,
 }
 
@@ -133,7 +133,7 @@ pub(super) fn rest(block: &Block, tableau: &Tableau, i: usize) -> Vec<f64> {
     rest
 }
 
-/// Root mean square of the remainders of the dependent rows, or 0 if rounding explains the remainders.
+/// Root mean square of the 2-norms of the dependent rows' remainders, or 0 if rounding explains the remainders.
 pub(super) fn beyond_rounding(factor: &Factor, block: &Block) -> f64 {
     let m = block.matrix.rows() as f64;
     let left = factor.dropped / (m - factor.rank as f64).max(1.0).sqrt();
@@ -171,27 +171,27 @@ pub(super) fn dependent(
     let error = units * because.len() as f64 * f64::EPSILON * largest;
     let mismatch = |sides: &Vec<Mismatch>| mismatch(sides, tableau, i, noise * largest, error);
     let mismatches = block.effective.iter().map(|sides| mismatch(sides).scaled(-block.exponents[k])).collect();
-    // `left` is common to all rows. The remainder of this row may be smaller, or only the rounding error of its terms.
+    // `left` is common to all rows. What remains of this row may be smaller, or may be only the rounding error of its terms.
     let left = if left > 0.0 { left.min(confirmed(block, tableau, i)) } else { left };
     let (because, dropped) = (BlockCertificate::Known(because), small_row(block, k, left));
     Dependent { row: block.rows[k], because, units, dropped, mismatches }
 }
 
-/// Largest entry of the remainder of dependent row i, or 0 if rounding of its terms explains it.
+/// Largest entry that remains of dependent row i, or 0 if the rounding of its terms explains it.
 fn confirmed(block: &Block, tableau: &Tableau, i: usize) -> f64 {
     let parts = tableau.row(i).iter().fold(1.0, |most: f64, y| most.max(y.abs()));
     let left = rest(block, tableau, i).iter().fold(0.0, |most: f64, v| most.max(v.abs()));
     if left > noise_of(block) * parts { left } else { 0.0 }
 }
 
-/// The remainder of row k. A row that is small as a whole is dropped although its coefficients may be more than rounding. They then count
-/// as the remainder.
+/// What remains of row k. A row that is small as a whole is dropped although its coefficients may be more than rounding. They then count as
+/// its remainder.
 pub(super) fn small_row(block: &Block, k: usize, left: f64) -> f64 {
     let norm = block.matrix.row(k).map(|(_, v)| v * v).sum::<f64>().sqrt();
     if norm < SMALL_ROW { left.max(block.certain[k]) } else { left }
 }
 
-/// `b_k - sum y_i b_i` and its error, if each y_i has an error up to `error`; a y_i below `noise` counts as error only.
+/// The mismatch `b_k - sum y_i b_i` with its error, if each y_i has an error up to `error`. A y_i below `noise` counts as error only.
 fn mismatch(sides: &[Mismatch], tableau: &Tableau, i: usize, noise: f64, error: f64) -> Mismatch {
     let mut rest = sides[tableau.basic[i] as usize];
     for (&y, &kept) in tableau.row(i).iter().zip(&tableau.free) {
@@ -206,8 +206,8 @@ fn mismatch(sides: &[Mismatch], tableau: &Tableau, i: usize, noise: f64, error: 
     rest
 }
 
-/// Returns true if the kept row `candidate` should be dropped instead of the dropped row `holder`: of equivalent equations the later one is
-/// dropped.
+/// Returns true if the kept row `candidate` should be dropped instead of the dropped row `holder`: among equivalent equations, the later
+/// one is dropped.
 pub(super) fn later(candidate: u32, holder: u32) -> bool {
     candidate > holder
 }

@@ -35,13 +35,13 @@ const SURE: f64 = 4.0;
 #[derive(Debug)]
 struct LateCertificates {
     factor: Arc<Factor>,
-    /// `[R1 R2]` by columns, built when the first certificate is read.
+    /// The factor `[R1 R2]` by columns, built when the first certificate is read.
     columns: OnceLock<Csr>,
-    /// Name and exponent of the row of each column of R1.
+    /// For each column of R1, the name and the exponent of the kept row.
     rows: Vec<(u32, i32)>,
     /// The columns of R1, sorted by the names of their rows.
     by_name: Vec<usize>,
-    /// Exponents of the dropped rows.
+    /// For each dropped row, the exponent by which the block scales it.
     exponents: Vec<i32>,
     /// Coefficients below this fraction of the largest are rounding.
     noise: f64,
@@ -60,7 +60,8 @@ impl LateCertificates {
 }
 
 impl LateCertificates {
-    /// `R1^-1 R2_k`, from the last row up. Entries that are only rounding are set to zero, so that they cost nothing in the rows above.
+    /// Solves `R1 y = R2_k` from the last row up. Entries that are only rounding are set to zero, so that they cost nothing in the rows
+    /// above.
     fn solved(&self, k: usize) -> Vec<f64> {
         let rank = self.rows.len();
         let columns = self.columns.get_or_init(|| self.factor.r.transposed());
@@ -117,7 +118,7 @@ pub(super) fn late(block: &Block, left: f64, choice: Choice, order: Vec<usize>) 
     Rows { kept, order, dependent, nearness, triangle, left }
 }
 
-/// `b_k - sum c_i b_i` of the dropped rows.
+/// The mismatches `b_k - sum c_i b_i` of the dropped rows k.
 fn mismatches(block: &Block, given: &[Mismatch], triangle: &Triangle, sigma: f64) -> Vec<Mismatch> {
     let signs = |lane: usize, i: usize| signed(SEED + lane as u64, i as u64).signum();
     let size = |lane: usize, i: usize| match lane {

@@ -47,7 +47,7 @@ fn independent(block: &Block, means: FactorContext) -> Result<Rows, BackendError
     let (m, n) = (block.matrix.rows(), block.matrix.cols);
     let pivots = backend.pivots(n, m) || choice.near.distance >= NEAR;
     if !pivots && m * n > DENSE {
-        // The distance of a kept row from the span of the other kept rows is at least sigma.
+        // The distance of a kept row from the span of the other kept rows is at least sigma, so a large sigma leaves no doubt.
         let doubtful = choice.near.sigma <= ESTIMATE * tolerance;
         if let Some(rows) = if doubtful { without_weak(block, means, &choice, &order)? } else { None } {
             return Ok(rows);
@@ -90,9 +90,9 @@ fn ordered_or_repaired(
 }
 
 /// Repairs a choice in which the backend kept rows that are dependent to within the tolerance. This happens if no pivot is small, as in
-/// Kahan's matrix, or if equations that are substituted into each other grow. Each step drops the row with the largest component in the
-/// singular vector of the smallest singular value, until the kept rows are independent. Then dropped rows that are no combination of the
-/// kept ones come back.
+/// Kahan's matrix, or if coefficients grow when equations are substituted into each other. Each step drops the row with the largest
+/// component in the singular vector of the smallest singular value, until the kept rows are independent. Then dropped rows that are no
+/// combination of the kept ones come back.
 fn repair(block: &Block, means: FactorContext, mut choice: Choice, order: Vec<usize>) -> Result<Rows, BackendError> {
     let mut round = 0;
     loop {

@@ -1,8 +1,8 @@
 //! Finds rows that a QR without pivoting kept although they are combinations of others to within the tolerance.
 //!
 //! ```text
-//! N^T rows = 0      N, r x k: the near null space of R1, of the kept rows
-//! row_d = Y rows    R1 Y = R2: the dropped rows over the kept ones, to the accuracy of R1
+//! N^T rows = 0      N, r x k: a basis of the near null space of R1, the factor of the kept rows
+//! row_d = Y^T rows  R1 Y = R2: the dropped rows over the kept ones, to the accuracy of R1
 //! row_W = ...       these equations solved for k weak rows W and the dropped rows d, over the remaining rows
 //! ```
 //!
@@ -134,8 +134,8 @@ fn without(weak: &Weak, mut tableau: Tableau) -> Option<Tableau> {
     tableau.data.iter().all(|v| v.is_finite()).then_some(tableau)
 }
 
-/// Dropped rows that are independent of the kept rows and of each other. The first rows of `tableau` are those asked for; `rests` are the
-/// norms of their remainders.
+/// Finds dropped rows that are independent of the kept rows and of each other. `rests` has the norms of what remains of the first rows of
+/// `tableau`.
 pub(super) fn unexplained(
     block: &Block,
     tableau: &Tableau,
