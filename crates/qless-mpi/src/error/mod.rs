@@ -63,13 +63,13 @@ pub enum Error {
 }
 
 impl Error {
-    /// An error of the caller on this rank, for [`agree`].
+    /// Wraps an error of the caller on this rank, so that [`agree`] can send it to all ranks.
     pub fn of(ranks: &dyn Ranks, error: &dyn std::fmt::Display) -> Self {
         Failure::of(error).on(ranks.rank())
     }
 }
 
-/// An error on one rank that the other ranks do not know yet.
+/// An error on one rank that the other ranks have not received yet.
 #[derive(Debug)]
 pub(crate) struct Failure(String);
 
@@ -85,10 +85,10 @@ impl Failure {
 
 /// An error that can be sent to other ranks.
 pub trait ErrorWords: Sized {
-    /// The error as at least one word.
+    /// Encodes the error as 64-bit words, at least one.
     fn to_words(&self) -> Vec<u64>;
 
-    /// The error that a rank has sent.
+    /// Decodes the words of an error that a rank has sent.
     fn from_words(words: &[u64]) -> Self;
 }
 
@@ -122,7 +122,7 @@ impl ErrorWords for CodedError {
 
 /// The result of this rank if no rank has an error, else the error of the first rank with one. Collective.
 ///
-/// Without it, the other ranks wait for ever for a rank that returns with an error.
+/// Without this call, the other ranks wait for ever for a rank that returns with an error.
 ///
 /// ```
 /// use qless_mpi::{Error, agree, on_threads};

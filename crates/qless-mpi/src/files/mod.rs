@@ -33,8 +33,8 @@ pub struct Case {
 
 /// Reads the same case as [`qless_io::read_case`], distributed over the ranks. Collective.
 ///
-/// A rank holds its block of each file, and later its block of rows. Labels are only counted. Equations are numbered by row and DOFs by
-/// column, from 0.
+/// A rank reads one block of each file, and then keeps one block of rows. Labels are only counted. Equations are numbered by row and DOFs
+/// by column, from 0.
 ///
 /// ```
 /// use qless_mpi::{read_case, on_threads};

@@ -4,14 +4,14 @@ use std::cell::Cell;
 
 use super::{Message, Ranks};
 
-/// Messages and bytes of one rank, and its number of collective operations.
+/// Messages and bytes that one rank sent and received, and the number of its collective operations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sent {
     /// Number of messages to other ranks.
     pub messages: u64,
     /// Number of bytes in these messages.
     pub bytes: u64,
-    /// Number of bytes from other ranks.
+    /// Number of bytes received from other ranks.
     pub received: u64,
     /// Number of collective operations.
     pub rounds: u64,

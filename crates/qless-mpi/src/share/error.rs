@@ -20,7 +20,7 @@ pub enum SharePlace {
         /// The DOF.
         dof: u64,
     },
-    /// A DOF that is needed.
+    /// A DOF that the rank asks for by [`need`](crate::Share::need).
     Needed {
         /// The DOF.
         dof: u64,
@@ -67,7 +67,7 @@ pub enum ShareError {
         "rank {rank} owns DOFs from {start}, but the ranks before it own those up to {expected} (excluded); the ranges must follow one another from 0"
     )]
     Ranges {
-        /// The first rank whose range does not start where the range before it ends, or ends before it starts.
+        /// The first rank whose range does not start at the end of the preceding range, or whose range ends before its start.
         rank: usize,
         /// The start of the range of this rank.
         start: u64,
