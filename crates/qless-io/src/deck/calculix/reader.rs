@@ -337,7 +337,7 @@ fn is_from_elsewhere(card: &KeywordCard) -> bool {
     ["SUBMODEL", "USER", "FIXED"].iter().any(|source| card.parameter(source).is_some())
 }
 
-/// Names the nodes of each instance `instance.number`.
+/// Gives the nodes of each instance their names in the model, from the instance and their numbers in it.
 fn name_nodes(model: &mut Model, definitions: &DeckDefinitions) -> Result<(), DeckError> {
     if definitions.instances.is_empty() {
         return Ok(());
