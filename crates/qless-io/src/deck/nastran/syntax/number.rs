@@ -75,15 +75,15 @@ fn small_point(text: u64) -> u32 {
     zero.trailing_zeros() / 8
 }
 
-/// The number that the first `count` characters spell; `None` unless all of them are digits.
+/// The number that the first `count` characters of `text` spell; `None` unless all of them are digits.
 fn small_digits(text: u64, count: u32) -> Option<u32> {
     if count == 0 {
         return None;
     }
-    // Pad with leading zeros to eight digits, the last digit in the highest byte.
+    // Pad the number with leading zeros to eight digits. The last digit is then in the highest byte.
     let all = (text << (8 * (8 - count))) | ZEROS.checked_shr(8 * count).unwrap_or(0);
     let high = 0xf0f0_f0f0_f0f0_f0f0;
-    // A byte is a digit exactly if its upper half is 3, both before and after adding 6.
+    // A byte is a digit if and only if its upper half is 3, both before and after adding 6.
     if (all & high) | (all.wrapping_add(0x0606_0606_0606_0606) & high) >> 4 != 0x3333_3333_3333_3333 {
         return None;
     }
@@ -122,7 +122,7 @@ mod tests {
         assert_eq!(real(b"1.-400"), Err(NumberFault::Underflow));
     }
 
-    /// The text at every possible position in a field.
+    /// All fields of eight columns that hold this text, at each possible position.
     fn fields(text: &str) -> impl Iterator<Item = SmallField> {
         let places = 0..=8 - text.len();
         places.map(move |place| {
