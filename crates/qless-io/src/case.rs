@@ -81,7 +81,7 @@ impl CaseFiles {
     /// Builds the system; `text` is the content of the matrix file.
     pub(crate) fn read_from(&self, text: Vec<u8>) -> Result<ConstraintSystem, ReadError> {
         let matrix = matrix_market::parse(&self.matrix, &text)?;
-        // The text may be as large as the system built from it.
+        // Frees memory: the text may be as large as the system built from it.
         drop(text);
         let (m, n) = (matrix.rows, matrix.columns);
         let rhs = self.rhs.as_deref().map_or_else(|| Ok(vec![0.0; m]), |path| read_rhs(path, m))?;

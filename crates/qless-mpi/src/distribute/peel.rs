@@ -7,7 +7,7 @@
 use crate::components::{ConnectedComponents, KnownDofs, NONE, TouchedDofs};
 use crate::share::ShareRows;
 
-/// An equation and the position of its slave.
+/// A row that can be peeled, and the position of its slave among the terms of the row.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Peel {
     pub row: u32,

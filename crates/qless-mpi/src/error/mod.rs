@@ -15,10 +15,10 @@ pub(crate) use words::{text, text_of};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A setting out of its range.
+    /// A setting is out of its range.
     #[error(transparent)]
     Option(#[from] OptionError),
-    /// Ranks with different options.
+    /// Two ranks have different options.
     #[error("rank {rank} has another {setting} in its options than rank 0; pass the same options on all ranks")]
     Options {
         /// The first rank that differs from rank 0.
@@ -29,27 +29,27 @@ pub enum Error {
     /// The share of a rank is not valid.
     #[error(transparent)]
     Share(#[from] ShareError),
-    /// A component too large for the memory that one rank may use.
+    /// A component is too large for the memory that one rank may use.
     #[error(
         "a connected component has {equations} equations with {terms} terms; a rank needs about {bytes} bytes for it, and the limit is \
          {limit} (Options::memory): allow more, or analyse it on a larger machine"
     )]
     TooLarge {
-        /// Equations of the component.
+        /// Number of equations of the component.
         equations: u64,
-        /// Terms of these equations.
+        /// Number of terms of these equations.
         terms: u64,
-        /// Bytes that the analysis of the component needs.
+        /// Number of bytes that the analysis of the component needs.
         bytes: u64,
-        /// Bytes that a rank may use.
+        /// Number of bytes that a rank may use.
         limit: u64,
     },
     /// The serial analysis of the equations assigned to a rank failed.
     #[error("rank {rank}: {message}")]
     Failed {
-        /// The rank.
+        /// The rank on which it failed.
         rank: usize,
-        /// The error's text.
+        /// The text of the error.
         message: String,
     },
     /// Equations contradict others, so no u satisfies them.
@@ -104,7 +104,7 @@ pub trait ErrorWords: Sized {
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CodedError {
-    /// The code.
+    /// The code, which the calling program chooses.
     pub code: u64,
     /// The message.
     pub text: String,

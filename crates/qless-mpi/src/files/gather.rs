@@ -29,13 +29,13 @@ pub struct GatheredFindings {
 pub struct Equation {
     /// The number of the equation.
     pub number: u64,
-    /// Redundant or conflicting.
+    /// Whether the equation is redundant or conflicting.
     pub kind: Kind,
-    /// As in [`DistributedDependent`](crate::DistributedDependent).
+    /// The same value as `mismatch` in [`DistributedDependent`](crate::DistributedDependent).
     pub mismatch: f64,
-    /// As in [`DistributedDependent`](crate::DistributedDependent).
+    /// The same value as `relative_mismatch` in [`DistributedDependent`](crate::DistributedDependent).
     pub relative_mismatch: f64,
-    /// As in [`DistributedDependent`](crate::DistributedDependent).
+    /// The same value as `dropped` in [`DistributedDependent`](crate::DistributedDependent).
     pub dropped: f64,
     /// Number of terms of the certificate.
     pub terms: usize,

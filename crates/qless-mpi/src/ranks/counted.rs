@@ -17,7 +17,7 @@ pub struct Sent {
     pub rounds: u64,
 }
 
-/// Ranks that count what they send.
+/// Wraps the ranks of a job and counts what this rank sends and receives.
 #[derive(Debug)]
 pub struct Counted<'a, R: Ranks + ?Sized> {
     ranks: &'a R,

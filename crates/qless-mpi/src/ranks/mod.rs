@@ -47,7 +47,7 @@ pub trait Ranks {
     /// Replaces each number by its maximum over all ranks.
     fn max(&self, numbers: &mut [u64]);
 
-    /// The numbers of all ranks, rank by rank; all ranks give the same count.
+    /// Collects the numbers of all ranks, in the order of the ranks. Each rank must give the same count of numbers.
     fn gather(&self, numbers: &[u64]) -> Vec<u64>;
 }
 

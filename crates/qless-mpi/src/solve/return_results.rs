@@ -13,7 +13,7 @@ use crate::ranks::{Message, Outbox, Ranks, real};
 pub struct DistributedDependent {
     /// The index of the dependent equation among the equations of the share.
     pub equation: usize,
-    /// Redundant or conflicting.
+    /// Whether the equation is redundant or conflicting.
     pub kind: Kind,
     /// `b_k - sum c_i b_i` in the units of the equation, prescribed DOFs moved into b.
     pub mismatch: f64,

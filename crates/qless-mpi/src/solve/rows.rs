@@ -115,7 +115,7 @@ impl ReductionRow<'_> {
     }
 }
 
-/// Rows of T of the slaves among the DOFs of a rank's equations.
+/// The rows of T for the slaves among the DOFs of a rank's equations.
 pub(crate) struct SlaveRows {
     pub reduction: ReductionRows,
     /// For each DOF of the equations, the index of its row in `reduction`.

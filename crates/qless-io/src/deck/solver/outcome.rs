@@ -34,23 +34,23 @@ impl Outcome {
 /// The kinds of cards that make a DOF the slave of an equation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CardKind {
-    /// `*EQUATION`.
+    /// The card `*EQUATION`.
     Equation,
     /// `*MPC` of any type, and the `MPC` card of Nastran.
     Mpc,
-    /// `*TIE`.
+    /// The card `*TIE`.
     Tie,
-    /// `*KINEMATIC` and `*KINEMATIC COUPLING`.
+    /// The cards `*KINEMATIC` and `*KINEMATIC COUPLING`.
     Kinematic,
-    /// `*RIGID BODY`, and rigid bodies of LS-DYNA.
+    /// The card `*RIGID BODY`, and rigid bodies of LS-DYNA.
     RigidBody,
     /// `*DISTRIBUTING`, whose slave is the reference node.
     Distributing,
-    /// `*DISTRIBUTING COUPLING`.
+    /// The card `*DISTRIBUTING COUPLING`.
     DistributingCoupling,
-    /// `*CYCLIC SYMMETRY MODEL` and `*PRE-TENSION SECTION`.
+    /// The cards `*CYCLIC SYMMETRY MODEL` and `*PRE-TENSION SECTION`.
     Sector,
-    /// RBE2, RBE3, RBAR and the like.
+    /// RBE2, RBE3, RBAR and all other elements whose name starts with R.
     RigidElement,
     /// The command `CP` of ANSYS.
     CoupledSet,

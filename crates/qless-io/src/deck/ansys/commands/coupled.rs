@@ -1,4 +1,4 @@
-//! `CP`: the nodes of a coupled set have the same value in one component, `u_j - u_1 = 0` for every node j but the first.
+//! Reads the command `CP`: the nodes of a coupled set have the same value in one component, `u_j - u_1 = 0` for every node j but the first.
 //!
 //! ```text
 //! CP, NSET, Lab, NODE1, NODE2, ... NODE17

@@ -1,4 +1,4 @@
-//! `CE`: the equation `CONST = sum of C_i U_i`, as commands that add terms, and in the format of archives.
+//! Reads the command `CE`: the equation `CONST = sum of C_i U_i`, as commands that add terms, and in the format of archives.
 //!
 //! ```text
 //! CE, NEQN, CONST, NODE1, Lab1, C1, NODE2, Lab2, C2, NODE3, Lab3, C3

@@ -1,4 +1,4 @@
-//! `D`, `DDELE`, `F` and `FDELE`: prescribe, release, load and unload DOFs.
+//! Reads the commands `D`, `DDELE`, `F` and `FDELE`: they prescribe, release, load and unload DOFs.
 //!
 //! ```text
 //! D,     NODE, Lab, VALUE, VALUE2, NEND, NINC, Lab2, ... Lab6

@@ -1,4 +1,4 @@
-//! `CERIG` and `RBE3`: equations that ANSYS generates from the positions of nodes.
+//! Reads the commands `CERIG` and `RBE3`: equations that ANSYS generates from the positions of nodes.
 //!
 //! ```text
 //! CERIG, MASTE, SLAVE, Ldof, Ldof2, ... Ldof5       slave = master + rotation x arm, for each label

@@ -1,4 +1,4 @@
-//! Nodes and named groups of nodes: `NBLOCK`, `N` and `CMBLOCK`.
+//! Stores nodes and named groups of nodes, from the commands `NBLOCK`, `N` and `CMBLOCK`.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 

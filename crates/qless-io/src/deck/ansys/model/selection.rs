@@ -1,4 +1,4 @@
-//! Selected nodes and DOFs, as far as this reader follows selections: by number and by component name.
+//! Keeps the selected nodes and DOFs, as far as this reader follows selections: by number and by component name.
 //!
 //! ```text
 //! NSEL,  Type, Item, Comp, VMIN, VMAX, VINC
