@@ -21,7 +21,7 @@ pub fn case_files(path: &Path, rhs: Option<&Path>, prescribed: Option<&Path>) ->
     files
 }
 
-/// Files of a case in a folder.
+/// Names of the files of a case within its folder.
 const PARTS: [&str; 5] = ["C.mtx", "b.txt", "prescribed.txt", "rows.txt", "cols.txt"];
 
 /// Paths of the files of a case.
@@ -51,7 +51,7 @@ impl CaseFiles {
         Ok(files.with(rhs, prescribed))
     }
 
-    /// Replaces the files of the right-hand side and of the prescribed DOFs by those that are given.
+    /// Replaces the right-hand side file and the prescribed DOF file by those in the arguments, if any.
     pub(crate) fn with(mut self, rhs: Option<&Path>, prescribed: Option<&Path>) -> Self {
         self.rhs = rhs.map(Path::to_path_buf).or(self.rhs);
         self.prescribed = prescribed.map(Path::to_path_buf).or(self.prescribed);
@@ -66,7 +66,8 @@ impl CaseFiles {
         };
         let [matrix, rhs, prescribed, rows, columns] = PARTS.map(part);
         let matrix = matrix.ok_or_else(|| ReadError::NoMatrix { path: folder.to_path_buf() })?;
-        // Only a manifest of an incomplete set is refused. Files edited by hand still form a case, and a foreign qless.json does no harm.
+        // Only the manifest of an incomplete set of files is refused. Files edited by hand still form a case, and a `qless.json` of another
+        // program does no harm.
         if Manifest::read(folder).is_ok_and(|manifest| manifest.is_some_and(|manifest| !manifest.complete)) {
             return Err(ReadError::Interrupted { path: folder.join(Manifest::NAME) });
         }
@@ -80,7 +81,7 @@ impl CaseFiles {
     /// Builds the system; `text` is the content of the matrix file.
     pub(crate) fn read_from(&self, text: Vec<u8>) -> Result<ConstraintSystem, ReadError> {
         let matrix = matrix_market::parse(&self.matrix, &text)?;
-        // The text may be as large as the system built from it.
+        // Frees memory: the text may be as large as the system built from it.
         drop(text);
         let (m, n) = (matrix.rows, matrix.columns);
         let rhs = self.rhs.as_deref().map_or_else(|| Ok(vec![0.0; m]), |path| read_rhs(path, m))?;
@@ -92,8 +93,8 @@ impl CaseFiles {
             .map_err(|error| self.explain(error))
     }
 
-    /// Adds file and line to an error of the library. The reader has already checked everything except sums of
-    /// repeated entries.
+    /// Adds file and line to an error of the library. Only the sum of repeated entries can be wrong here: the reader has checked everything
+    /// else.
     fn explain(&self, error: SystemError) -> ReadError {
         let path = self.matrix.clone();
         let SystemError::NotFinite { what: Place::Coefficient { row, dof }, value } = error else {

@@ -1,4 +1,4 @@
-//! Errors of reading and writing files; each names its path.
+//! Errors of reading and writing files. Each names the path of the file.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ pub enum ReadError {
     Io {
         /// The file.
         path: PathBuf,
-        /// The system's reason.
+        /// The reason that the operating system gives.
         source: io::Error,
     },
     /// The content is malformed.
@@ -33,16 +33,16 @@ pub enum ReadError {
         /// What is wrong.
         fault: TextFault,
     },
-    /// A folder that is not a case.
+    /// The folder is not a case.
     #[error("{}: the folder holds no C.mtx; name a folder with one, or a .mtx file", path.display())]
     NoMatrix {
         /// The folder.
         path: PathBuf,
     },
-    /// An error in a finite-element deck.
+    /// The finite-element deck has an error.
     #[error(transparent)]
     Deck(#[from] crate::deck::DeckError),
-    /// Content that no reader recognises.
+    /// No reader recognises the content.
     #[error(
         "{}: cannot tell what this is: {seen}; decks of CalculiX and Abaqus (as .inp), Nastran (.bdf, .dat, .nas), ANSYS (.cdb) \
          and LS-DYNA (.k) are read, Matrix Market files (.mtx), relations (.rel), and folders with a C.mtx",
@@ -51,10 +51,10 @@ pub enum ReadError {
     Unknown {
         /// The file.
         path: PathBuf,
-        /// Start of the content.
+        /// How the content starts.
         seen: UnrecognizedText,
     },
-    /// A solver that does not read decks of this format.
+    /// The solver does not read decks of this format.
     #[error(
         "{}: {solver} does not read it: it is a deck of {format}; leave --solver out, or name {}",
         path.display(),
@@ -68,15 +68,15 @@ pub enum ReadError {
         /// The deck's format.
         format: Format,
     },
-    /// A matrix instead of a deck, or a deck instead of a matrix.
+    /// The content is a matrix instead of a deck, or a deck instead of a matrix.
     #[error("{}: {problem}", path.display())]
     OtherContent {
         /// The file.
         path: PathBuf,
-        /// What it is, and what to do.
+        /// What the content is, and what to do.
         problem: &'static str,
     },
-    /// A case whose writing was interrupted.
+    /// The writing of the case was interrupted.
     #[error(
         "{}: writing this case was interrupted, or has not ended; write it again, or remove the file if C.mtx and all others are right",
         path.display()
@@ -85,17 +85,17 @@ pub enum ReadError {
         /// The manifest.
         path: PathBuf,
     },
-    /// The library rejected a system that the reader accepted.
+    /// The library rejects the system, although the reader found no error.
     #[error("{}: {source} (rows and DOFs counted from 0)", path.display())]
     System {
         /// The matrix file.
         path: PathBuf,
-        /// The library's reason.
+        /// The reason that the library gives.
         source: qless::SystemError,
     },
 }
 
-/// Why an output was not written. No temporary files are left behind.
+/// Why an output was not written. No temporary files are left.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum WriteError {
@@ -104,7 +104,7 @@ pub enum WriteError {
     Io {
         /// The file or folder.
         path: PathBuf,
-        /// The system's reason.
+        /// The reason that the operating system gives.
         source: io::Error,
     },
     /// Some files of a set are in their place and others are not; the manifest records this.
@@ -112,28 +112,28 @@ pub enum WriteError {
     Incomplete {
         /// The folder.
         folder: PathBuf,
-        /// What went wrong.
+        /// The error that interrupted the writing.
         source: Box<WriteError>,
     },
     /// The path of the output folder is not a folder.
     #[error("{}: is not a folder; name another place or remove it", path.display())]
     NotAFolder {
-        /// The path in the way.
+        /// The path where the folder should be.
         path: PathBuf,
     },
     /// The path of the output file is not a file.
     #[error("{}: is not a regular file; name another place or remove it", path.display())]
     NotAFile {
-        /// The path in the way.
+        /// The path where the file should be.
         path: PathBuf,
     },
     /// The output would replace an input.
     #[error("{}: is part of the input, which would be overwritten; name another place", path.display())]
     IsInput {
-        /// The output.
+        /// The path of the output.
         path: PathBuf,
     },
-    /// A file with several names (hard links).
+    /// The file to be replaced has several names (hard links).
     #[error(
         "{}: the file has {names} names (hard links), and a new file would replace only this name; name another \
          place, or remove this name first",
@@ -142,10 +142,10 @@ pub enum WriteError {
     Linked {
         /// The file.
         path: PathBuf,
-        /// Number of its names.
+        /// The number of names.
         names: u64,
     },
-    /// Another process holds the folder's lock for too long.
+    /// Another process has held the lock of the folder for too long.
     #[error("{}: another process has been writing to this folder for more than a minute; end it, or name another place", path.display())]
     Busy {
         /// The folder.
@@ -154,12 +154,12 @@ pub enum WriteError {
     /// The manifest of the folder cannot be read, or is not one of this library.
     #[error(transparent)]
     Manifest(crate::ManifestError),
-    /// A label with a line break.
+    /// A label has a line break.
     #[error("{}: label {index} ({label:?}) has a line break; a label is one line", path.display())]
     LabelLineBreak {
         /// The file of labels.
         path: PathBuf,
-        /// 1-based row or column of the label.
+        /// The row or column of the label, from 1.
         index: usize,
         /// The label.
         label: String,
@@ -167,7 +167,7 @@ pub enum WriteError {
 }
 
 impl ReadError {
-    /// Whether a limit of size or memory was exceeded, so that the content may be valid.
+    /// Whether the error is that a limit of size or memory was exceeded. Then the content may be valid.
     pub fn is_resource(&self) -> bool {
         match self {
             Self::Io { source, .. } => bytes::is_too_much(source),
@@ -191,7 +191,7 @@ impl WriteError {
     }
 }
 
-/// Reads a whole file; errors name its path.
+/// Reads a whole file. An error names the path of the file.
 pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, ReadError> {
     bytes::read(path).map_err(ReadError::io(path))
 }

@@ -1,8 +1,8 @@
-//! Faults in the text of a file, and what to do about them.
+//! What can be wrong in the text of a file, and what the user can do.
 
 use std::fmt;
 
-/// A fault in the text of a file. Text found is quoted, shortened and escaped.
+/// What is wrong in the text of a file. Text that was found is quoted, shortened and escaped.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TextFault {
@@ -11,50 +11,50 @@ pub enum TextFault {
         "expected the header `%%MatrixMarket matrix coordinate real general`, found {found}; make it the first line"
     )]
     Header {
-        /// The line found.
+        /// The text of the line.
         found: String,
     },
-    /// A header word this reader does not support.
+    /// The header has a word that this reader does not support.
     #[error("the header says {word}: {advice}")]
     HeaderWord {
         /// The word.
         word: String,
-        /// Why it is refused and how to convert.
+        /// Why the word is refused, and how to convert the file.
         advice: &'static str,
     },
-    /// The line of sizes is missing or malformed.
+    /// The line with the sizes is missing or malformed.
     #[error("expected the sizes `{expected}` as whole numbers, found {found}; correct the line after the header")]
     Sizes {
-        /// Required form of the line.
+        /// The form that the line should have.
         expected: &'static str,
-        /// The line found.
+        /// The text of the line.
         found: String,
     },
-    /// A size beyond the 32-bit indices of the library.
+    /// A size exceeds the 32-bit indices of the library.
     #[error("the number of {what} is {found}; at most {} are supported", u32::MAX - 1)]
     SizeTooLarge {
-        /// "rows" or "columns".
+        /// Which size: "rows" or "columns".
         what: &'static str,
-        /// The size found.
+        /// The text of the size.
         found: String,
     },
-    /// A size far beyond the number of entries.
+    /// A size is far larger than the number of entries.
     #[error("{found} {what} for {entries} entries are implausible; correct the sizes")]
     SizeImplausible {
-        /// "rows" or "columns".
+        /// Which size: "rows" or "columns".
         what: &'static str,
-        /// The size found.
+        /// The size in the file.
         found: usize,
-        /// Entries promised.
+        /// The number of entries that the file promises.
         entries: usize,
     },
-    /// A matrix without columns.
+    /// The matrix has no columns.
     #[error("the matrix has {rows} rows and no columns; constraints need at least one DOF")]
     NoColumns {
         /// Number of rows.
         rows: usize,
     },
-    /// A symmetric matrix that is not square.
+    /// The matrix is called symmetric but is not square.
     #[error(
         "a symmetric matrix has as many rows as columns, found {rows} and {columns}; correct the sizes or write `general`"
     )]
@@ -64,132 +64,132 @@ pub enum TextFault {
         /// Number of columns.
         columns: usize,
     },
-    /// An entry of a symmetric matrix outside of the triangle that such files store.
+    /// An entry of a symmetric matrix lies outside of the triangle that such files store.
     #[error(
         "row {row}, column {column} is not in the triangle that the header says is stored, the lower one (below the diagonal if \
          skew-symmetric); remove the entry, or write all entries and `general`"
     )]
     OtherTriangle {
-        /// Row, 1-based.
+        /// The row, from 1.
         row: usize,
-        /// Column, 1-based.
+        /// The column, from 1.
         column: usize,
     },
-    /// A line that is no entry.
+    /// A line holds no valid entry.
     #[error("expected `{expected}`, found {found}; correct or remove the line")]
     Entry {
-        /// Required form of the line.
+        /// The form that the line should have.
         expected: &'static str,
-        /// The line found.
+        /// The text of the line.
         found: String,
     },
-    /// A 1-based index that is 0 or above the size.
+    /// An index is 0 or exceeds the size; indices count from 1.
     #[error(
         "{what} {found} is out of range: the matrix has {size} {what}s, counted from 1; correct the index or the sizes"
     )]
     OutOfRange {
-        /// "row" or "column".
+        /// Which index: "row" or "column".
         what: &'static str,
-        /// The index found.
+        /// The text of the index.
         found: String,
-        /// The size.
+        /// The number of rows or columns of the matrix.
         size: usize,
     },
-    /// A number that cannot be used.
+    /// The text is no usable number.
     #[error("{what} is {found}: {problem}")]
     Number {
-        /// Which number.
+        /// Which number of the case it should be.
         what: Quantity,
-        /// The text found.
+        /// The text of the number.
         found: String,
-        /// What is wrong with it.
+        /// What is wrong with the number.
         problem: NumberFault,
     },
-    /// An entry beyond the promised number.
+    /// There are more entries than the sizes promise.
     #[error("one entry more than the {promised} promised; correct the number of entries or remove the line")]
     TooMany {
-        /// Entries promised by the sizes.
+        /// The number of entries that the sizes promise.
         promised: usize,
     },
-    /// The file ends before the last entry promised.
+    /// The file ends before the last entry that the sizes promise.
     #[error(
         "{promised} entries are promised, but the file ends after {found}; correct the number or complete the file"
     )]
     TooFew {
-        /// Entries promised by the sizes.
+        /// The number of entries that the sizes promise.
         promised: usize,
-        /// Entries found.
+        /// The number of entries in the file.
         found: usize,
     },
-    /// A list with a wrong number of items.
+    /// A list has the wrong number of items.
     #[error(
         "found {found} {what}, expected {expected}, one for each {each}; correct the file or the sizes of the matrix"
     )]
     Count {
-        /// "numbers" or "labels".
+        /// What the list holds: "numbers" or "labels".
         what: &'static str,
-        /// Number found.
+        /// The number of items in the list.
         found: usize,
-        /// Number needed.
+        /// The number of items that it should have.
         expected: usize,
-        /// "row" or "column".
+        /// What each item belongs to: "row" or "column".
         each: &'static str,
     },
-    /// One column prescribed with two values.
+    /// A column is prescribed twice, with different values.
     #[error("column {column} is prescribed as {second}, but line {first_line} prescribes {first}; remove one")]
     PrescribedTwice {
-        /// The column, 1-based.
+        /// The column, from 1.
         column: usize,
-        /// The earlier value.
+        /// The value that is given first.
         first: f64,
         /// The line of the earlier value.
         first_line: usize,
-        /// The later value.
+        /// The value that is given later.
         second: f64,
     },
-    /// Repeated coefficients of a row and column overflow when summed.
+    /// Repeated coefficients of one row and column overflow when they are summed.
     #[error(
         "the coefficients given for row {row}, column {column} add up to {sum} (the first is in line {first_line}); rescale the row or remove the repeats"
     )]
     SumNotFinite {
-        /// Row, 1-based.
+        /// The row, from 1.
         row: usize,
-        /// Column, 1-based.
+        /// The column, from 1.
         column: usize,
-        /// Line of the first coefficient.
+        /// The line of the first of these coefficients.
         first_line: usize,
-        /// Their sum.
+        /// The sum of the coefficients.
         sum: f64,
     },
-    /// A file of relations without any.
+    /// A file of relations holds no relation.
     #[error("there is no relation; write one a line, such as `tie_1: 1.0 N12.DX - 1.0 N13.DX = 0.5`")]
     NoRelations,
-    /// A word that does not fit into a relation.
+    /// A word does not fit into a relation at its place.
     #[error(
         "expected {expected}, found {found}; a relation is `label: 1.0 NAME - 1.0 NAME = 0.5`, with blanks between words"
     )]
     Relation {
-        /// Column of the word, in bytes from 1.
+        /// Where the word starts in its line, in bytes from 1.
         column: usize,
-        /// What fits.
+        /// What would fit at this place.
         expected: &'static str,
-        /// The word.
+        /// The text of the word.
         found: String,
     },
-    /// A number of a relation that cannot be used.
+    /// The text of a number in a relation is no usable number.
     #[error("{found} is no usable number: {problem}")]
     RelationNumber {
-        /// Column of the number, in bytes from 1.
+        /// Where the number starts in its line, in bytes from 1.
         column: usize,
-        /// The text found.
+        /// The text of the number.
         found: String,
-        /// What is wrong with it.
+        /// What is wrong with the number.
         problem: NumberFault,
     },
 }
 
 impl TextFault {
-    /// The column of the fault in its line, in bytes from 1, if it is known.
+    /// Where the fault starts in its line, in bytes from 1; `None` if this is not known.
     pub fn column(&self) -> Option<usize> {
         match self {
             Self::Relation { column, .. } | Self::RelationNumber { column, .. } => Some(*column),
@@ -198,45 +198,45 @@ impl TextFault {
     }
 }
 
-/// A fault in the text of a number.
+/// What is wrong with the text of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NumberFault {
-    /// No number at all.
+    /// The text is no number.
     #[error("not a number; write it as 1.5 or 1.5e-3")]
     NotANumber,
-    /// `nan` or `inf`.
+    /// The number is `nan` or `inf`.
     #[error("every number must be finite")]
     NotFinite,
-    /// Above the range of 64-bit floats.
+    /// The number is above the range of 64-bit floats.
     #[error("too large for a 64-bit number; rescale the row")]
     Overflow,
-    /// Not zero, but below the range of 64-bit floats.
+    /// The number is not zero, but below the range of 64-bit floats.
     #[error("too small for a 64-bit number, which would make it zero; rescale the row or write 0")]
     Underflow,
-    /// A fraction in a file that promises integers.
+    /// The number has a fraction, but the file promises integers.
     #[error("not an integer, as the header promises; write `real` in the header")]
     NotAnInteger,
 }
 
-/// A number in a case; rows and columns count from 1.
+/// Which number of a case is meant. Rows and columns count from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
-    /// An entry of C.
+    /// An entry of the matrix C.
     Coefficient {
-        /// Row.
+        /// The row of the entry.
         row: usize,
-        /// Column.
+        /// The column of the entry.
         column: usize,
     },
-    /// An entry of b.
+    /// An entry of the right-hand side b.
     RightHandSide {
-        /// Row.
+        /// The row of the entry.
         row: usize,
     },
     /// The value of a prescribed DOF.
     Prescribed {
-        /// Column.
+        /// The column of the DOF.
         column: usize,
     },
 }
@@ -251,13 +251,13 @@ impl fmt::Display for Quantity {
     }
 }
 
-/// Quotes `text` in backquotes: at most 60 characters, with control characters escaped.
+/// Quotes `text` in backquotes. At most 60 characters are shown, and control characters are escaped.
 pub(crate) fn quote(text: &[u8]) -> String {
     const LONGEST: usize = 60;
     if text.is_empty() {
         return "nothing".into();
     }
-    // A character has at most four bytes, so that the cut below drops any character split here.
+    // A character has at most four bytes. So the cut at `LONGEST` characters below drops a character that is split here.
     let text = String::from_utf8_lossy(&text[..text.len().min(4 * (LONGEST + 1))]);
     let mut quoted: String = text.chars().take(LONGEST).flat_map(plain).collect();
     if text.chars().nth(LONGEST).is_some() {

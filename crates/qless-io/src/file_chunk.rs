@@ -1,4 +1,4 @@
-//! A file, and chunks of its lines.
+//! A file that is read in chunks of lines.
 
 use std::fs;
 use std::io::{self, ErrorKind, Read, Seek, SeekFrom};
@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use crate::lines::TextLines;
 use crate::{ReadError, bytes};
 
-/// Bytes read at a time to find the end of the last line of a range.
+/// Number of bytes read at a time to find the end of the last line of a range.
 const PIECE: u64 = 1 << 16;
 
 /// A file that is read in chunks.
@@ -22,7 +22,7 @@ impl ChunkedFile {
     /// Finds the size of the file.
     ///
     /// # Errors
-    /// [`ReadError::Io`]: the file does not exist, or has no size, like a device or a pipe.
+    /// [`ReadError::Io`] if the file does not exist, or if it has no size, like a device or a pipe.
     pub fn open(path: &Path) -> Result<Self, ReadError> {
         let kind = fs::metadata(path).map_err(ReadError::io(path))?;
         if !kind.is_file() && !kind.is_dir() {
@@ -34,18 +34,18 @@ impl ChunkedFile {
         Ok(Self { path: path.to_path_buf(), size: kind.len() })
     }
 
-    /// Size in bytes.
+    /// Size of the file in bytes.
     #[expect(clippy::len_without_is_empty, reason = "callers treat an empty file as any other")]
     pub fn len(&self) -> u64 {
         self.size
     }
 
-    /// Path of the file.
+    /// The path of the file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Reads the lines that start in this range of bytes, up to the end of the last one.
+    /// Reads the lines that start in this range of bytes. The last of them may end beyond the range.
     ///
     /// # Errors
     /// [`ReadError::Io`], also if memory runs out.
@@ -60,7 +60,7 @@ impl ChunkedFile {
             return Ok(Vec::new());
         }
         let mut file = fs::File::open(&self.path)?;
-        // The byte before the range shows whether a line starts at the range.
+        // Reading starts one byte before the range. If that byte ends a line, a line starts at the range.
         let from = start.saturating_sub(1);
         file.seek(SeekFrom::Start(from))?;
         let mut bytes = bytes::room_for(end - from)?;
@@ -96,17 +96,17 @@ fn to_end_of_line(file: &mut fs::File, bytes: &mut Vec<u8>) -> io::Result<()> {
 #[derive(Debug)]
 pub struct FileChunk {
     path: PathBuf,
-    /// Whether the chunk starts the file.
+    /// Whether the chunk is the start of the file.
     is_first: bool,
     bytes: Vec<u8>,
 }
 
-/// Number of lines.
+/// Counts of the lines of a file or chunk.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LineCount {
-    /// All lines.
+    /// Number of all lines.
     pub lines: usize,
-    /// Lines that are neither blank nor comments.
+    /// Number of lines that are neither blank nor comments.
     pub items: usize,
 }
 
@@ -119,7 +119,7 @@ impl Add for LineCount {
 }
 
 impl FileChunk {
-    /// Counts the lines.
+    /// Counts the lines of the chunk.
     pub fn count(&self) -> LineCount {
         let (mut lines, mut items) = (self.after(0), 0);
         while lines.content().is_some() {
@@ -128,7 +128,7 @@ impl FileChunk {
         LineCount { lines: lines.number(), items }
     }
 
-    /// Number of the last line that is not blank, from 1; 0 if all are blank.
+    /// Number of the chunk's last line that is not blank, counted from 1; 0 if all lines are blank.
     pub fn last_filled(&self) -> usize {
         let (mut lines, mut last) = (self.after(0), 0);
         while let Some(line) = lines.any() {
@@ -139,7 +139,7 @@ impl FileChunk {
         last
     }
 
-    /// The lines of the chunk. `number` lines of the file come before it.
+    /// The lines of the chunk. `number` lines of the file precede it.
     pub(crate) fn after(&self, number: usize) -> TextLines<'_> {
         if self.is_first {
             TextLines::new(&self.path, &self.bytes)

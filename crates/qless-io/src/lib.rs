@@ -1,5 +1,5 @@
-//! Reads and writes constraint systems `C u = b`. Everything read is checked; every file is written completely or not at
-//! all, and a [`Manifest`] says which files of a folder belong together.
+//! Reads and writes constraint systems `C u = b`. All input is checked. Each file is written completely or not at all. A [`Manifest`] says
+//! which files of a folder belong together.
 //!
 //! A case is a folder, or a single Matrix Market file:
 //!

@@ -6,7 +6,7 @@ use crate::ReadError;
 use crate::fault::{NumberFault, Quantity, TextFault, quote};
 use crate::number::real;
 
-/// Iterator over the lines of a file. A line ends with LF or CRLF; a byte order mark is skipped.
+/// The lines of a file. A line ends with LF or CRLF. A byte order mark at the start is skipped.
 pub(crate) struct TextLines<'a> {
     path: &'a Path,
     rest: &'a [u8],
@@ -26,7 +26,7 @@ impl<'a> TextLines<'a> {
         Self { path, rest: bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), number: 0 }
     }
 
-    /// Lines that follow `number` other lines of the same file.
+    /// The lines in `bytes`, which `number` other lines of the same file precede.
     pub fn after(path: &'a Path, bytes: &'a [u8], number: usize) -> Self {
         Self { path, rest: bytes, number }
     }
@@ -63,29 +63,29 @@ impl<'a> TextLines<'a> {
         }
     }
 
-    /// An error at the last line read.
+    /// Makes an error at the last line that was read.
     pub fn fault(&self, fault: TextFault) -> ReadError {
         ReadError::malformed(self.path, Some(self.number).filter(|&number| number > 0), fault)
     }
 
-    /// Bytes not yet read.
+    /// Number of bytes that are not yet read.
     pub fn unread_bytes(&self) -> usize {
         self.rest.len()
     }
 
-    /// Number of the last line read.
+    /// Number of the last line that was read.
     pub fn number(&self) -> usize {
         self.number
     }
 }
 
 impl<'a> TextLine<'a> {
-    /// Words before a comment.
+    /// The words of the line, up to a comment.
     pub fn words(&self) -> LineWords<'a> {
         LineWords { rest: self.text }
     }
 
-    /// The words, if there are exactly N.
+    /// The words of the line if there are exactly N, else `None`.
     pub fn fields<const N: usize>(&self) -> Option<[&'a [u8]; N]> {
         let mut words = self.words();
         let mut fields = [&b""[..]; N];
@@ -103,12 +103,12 @@ impl<'a> TextLine<'a> {
         ReadError::malformed(self.path, Some(self.number), fault)
     }
 
-    /// The error for a line that does not have the form `expected`.
+    /// The error that the line does not have the form `expected`.
     pub fn malformed(&self, expected: &'static str) -> ReadError {
         self.fault(TextFault::Entry { expected, found: self.quote() })
     }
 
-    /// Parses a number; `is_integer` if the header promises integers.
+    /// Parses a number. `is_integer` is true if the header of the file promises integers.
     pub fn number(&self, word: &[u8], what: Quantity, is_integer: bool) -> Result<f64, ReadError> {
         let problem = match real(word) {
             Ok(number) if !is_integer || number.fract() == 0.0 => return Ok(number),
@@ -118,7 +118,7 @@ impl<'a> TextLine<'a> {
     }
 }
 
-/// Words between blanks and tabs; a word that starts with `%` or `#` starts a comment.
+/// The words of a line, separated by blanks and tabs. A word that starts with `%` or `#` starts a comment.
 pub(crate) struct LineWords<'a> {
     rest: &'a [u8],
 }

@@ -9,9 +9,9 @@
 //! }
 //! ```
 //!
-//! A writer stores it twice: with `complete: false` before it changes the first file, and with `true` after the last. This marks a
-//! set whose writing was interrupted. While a set is incomplete, `replaces` lists the files of the previous set, so that the next
-//! writer can remove those that no longer belong to a set.
+//! A writer stores the manifest twice: with `complete: false` before it changes the first file, and with `complete: true` after it has
+//! changed the last one. So `false` marks a set whose writing was interrupted. While a set is incomplete, `replaces` lists the files of the
+//! previous set, so that the next writer can remove those that no longer belong to a set.
 
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};
@@ -20,15 +20,15 @@ use std::path::{Path, PathBuf};
 use flate2::Crc;
 use serde::{Deserialize, Serialize};
 
-/// A set of files.
+/// The manifest of a set of files.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Manifest {
-    /// Name and version of the writer.
+    /// Name and version of the program that wrote the files.
     pub program: String,
-    /// The command that wrote the files, or the function of the library.
+    /// The command that wrote the files, or the library function that wrote them.
     pub command: String,
-    /// Whether all files are in place.
+    /// Whether all files of the set are in place.
     pub complete: bool,
     /// The files of the set.
     pub files: Vec<FileRecord>,
@@ -37,15 +37,15 @@ pub struct Manifest {
     pub replaces: Vec<FileRecord>,
 }
 
-/// A file of a set.
+/// A file of a set, as the manifest records it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct FileRecord {
-    /// Its name in the folder.
+    /// The name of the file in the folder.
     pub name: String,
-    /// Number of its bytes.
+    /// Number of bytes of the file.
     pub size: u64,
-    /// CRC-32 of its bytes, as `zlib.crc32` of Python computes it.
+    /// CRC-32 of the bytes of the file, as `zlib.crc32` of Python computes it.
     pub crc32: u32,
 }
 
@@ -58,36 +58,36 @@ pub enum ManifestError {
     Io {
         /// The file.
         path: PathBuf,
-        /// The system's reason.
+        /// The reason that the operating system gives.
         source: io::Error,
     },
-    /// No manifest.
+    /// The folder has no manifest.
     #[error("{}: there is no such file, so nothing says which files belong together; write them again", path.display())]
     Missing {
-        /// The manifest.
+        /// The path where the manifest should be.
         path: PathBuf,
     },
-    /// A file of this name that is no manifest.
+    /// A file has the name of the manifest but is none.
     #[error("{}: it is no manifest of qless; name another folder, or move this file away", path.display())]
     NotOurs {
         /// The file.
         path: PathBuf,
     },
-    /// A set whose writing was interrupted.
+    /// The writing of the set was interrupted.
     #[error("{}: writing this set of files was interrupted, or has not ended; write it again", path.display())]
     Incomplete {
-        /// The manifest.
+        /// The path of the manifest.
         path: PathBuf,
     },
-    /// A file that is not in the set.
+    /// The manifest does not list the file.
     #[error("{}: {manifest} does not list this file, so it belongs to another set; write the set again", path.display())]
     NotListed {
         /// The file.
         path: PathBuf,
-        /// The manifest's name.
+        /// The name of the manifest.
         manifest: &'static str,
     },
-    /// A file that changed after it was written.
+    /// The file was changed after it was written.
     #[error("{}: the file has changed since the set was written; write the set again", path.display())]
     Changed {
         /// The file.
@@ -96,13 +96,13 @@ pub enum ManifestError {
 }
 
 impl Manifest {
-    /// Its name in the folder.
+    /// The name of every manifest in its folder.
     pub const NAME: &str = "qless.json";
 
     /// Reads the manifest of a folder; `None` if there is none.
     ///
     /// # Errors
-    /// [`ManifestError::Io`], [`ManifestError::NotOurs`].
+    /// [`ManifestError::Io`] or [`ManifestError::NotOurs`].
     pub fn read(folder: &Path) -> Result<Option<Self>, ManifestError> {
         let path = folder.join(Self::NAME);
         match fs::read(&path) {
@@ -116,7 +116,7 @@ impl Manifest {
     /// such as those of a reduction, is read.
     ///
     /// # Errors
-    /// [`ManifestError`]: the files are not known to belong together.
+    /// [`ManifestError`] if the files are not known to belong together.
     ///
     /// ```
     /// use qless_io::{Manifest, ManifestError, write::Output};
@@ -148,16 +148,16 @@ impl Manifest {
         Ok(manifest)
     }
 
-    /// Checks that the set has a file of this name.
+    /// Returns the record of the file with this name, if the set has it.
     ///
     /// # Errors
-    /// [`ManifestError::NotListed`].
+    /// [`ManifestError::NotListed`] if the set does not have it.
     pub fn file(&self, folder: &Path, name: &str) -> Result<&FileRecord, ManifestError> {
         let not_listed = || ManifestError::NotListed { path: folder.join(name), manifest: Self::NAME };
         self.files.iter().find(|record| record.name == name).ok_or_else(not_listed)
     }
 
-    /// The text to store.
+    /// The text of the manifest, in JSON.
     pub(crate) fn text(&self) -> io::Result<String> {
         Ok(serde_json::to_string_pretty(self)? + "\n")
     }
@@ -168,7 +168,7 @@ impl FileRecord {
         Self { name: name.to_owned(), size, crc32: crc.sum() }
     }
 
-    /// Whether the file of this name in the folder has the recorded size and checksum. False for a name that leads out of the folder.
+    /// Whether the folder has this file with the recorded size and checksum. False if the name leads out of the folder.
     pub(crate) fn is_of(&self, folder: &Path) -> io::Result<bool> {
         if self.name.contains(['/', '\\']) {
             return Ok(false);
@@ -178,7 +178,7 @@ impl FileRecord {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(false),
             found => found?,
         };
-        // Opening a pipe would wait for a writer.
+        // A pipe must not be opened, because opening it would wait for a writer.
         if !found.is_file() || found.len() != self.size {
             return Ok(false);
         }

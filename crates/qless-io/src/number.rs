@@ -1,8 +1,8 @@
-//! Parses numbers: `12` as an index, `1.5`, `1e-3` or Fortran's `1.0D+3` as a float.
+//! Parses numbers: `12` as a whole number, and `1.5`, `1e-3` or Fortran's `1.0D+3` as a float.
 
 use crate::NumberFault;
 
-/// A whole number. One too large for `usize` becomes `usize::MAX`, which is out of every range.
+/// Parses a whole number; `None` for any other text. A number too large for `usize` becomes `usize::MAX`, which is out of every range.
 pub(crate) fn whole(word: &[u8]) -> Option<usize> {
     let mut value = 0_usize;
     for &byte in word {
@@ -14,7 +14,7 @@ pub(crate) fn whole(word: &[u8]) -> Option<usize> {
     (!word.is_empty()).then_some(value)
 }
 
-/// The nearest float, if it is finite and not zero by underflow.
+/// Parses a number as the nearest float. An error if the number is not finite, or if it underflows to zero.
 pub(crate) fn real(word: &[u8]) -> Result<f64, NumberFault> {
     if let Some(value) = short(word) {
         return Ok(value);
@@ -24,14 +24,14 @@ pub(crate) fn real(word: &[u8]) -> Result<f64, NumberFault> {
     if f64::is_normal(value) { Ok(value) } else { not_normal(text, value) }
 }
 
-/// A number that [`leading`] reads completely, as most numbers of a deck are.
+/// Parses a number that [`leading`] can read, as it can most numbers of a deck; `None` for any other text.
 pub(crate) fn short(word: &[u8]) -> Option<f64> {
     leading(word).filter(|&(_, length)| length == word.len()).map(|(value, _)| value)
 }
 
-/// Parses the number at the start of a text; returns it with its length. Covers whole numbers up to 2^53 that are
-/// multiplied or divided by a power of ten up to 10^22. Floats hold both factors exactly, so that the result is the
-/// nearest float. `None` for other numbers.
+/// Parses the number at the start of a text. Returns it with the number of its bytes. The number must be a whole number up to 2^53,
+/// multiplied or divided by a power of ten up to 10^22. Floats hold both factors exactly, so the result is the nearest float. `None` for
+/// any other number.
 pub(crate) fn leading(text: &[u8]) -> Option<(f64, usize)> {
     const TENS: [f64; 23] = [
         1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19,
@@ -49,7 +49,7 @@ pub(crate) fn leading(text: &[u8]) -> Option<(f64, usize)> {
     }
     let decimals = point.map_or(0, |point| end - point - 1);
     let (count, mut exponent) = (end - start - usize::from(point.is_some()), -(decimals as isize));
-    // 19 digits do not overflow.
+    // At most 19 digits are accepted, because they do not overflow.
     if count == 0 || count > 19 || whole > 1 << 53 {
         return None;
     }
@@ -62,7 +62,7 @@ pub(crate) fn leading(text: &[u8]) -> Option<(f64, usize)> {
     Some((if start > 0 { -size } else { size }, end))
 }
 
-/// Parses a sign and up to three digits; returns the exponent and its end.
+/// Parses an exponent: a sign, which may be missing, and one to three digits. Returns the exponent and the index after it.
 fn power(text: &[u8], from: usize) -> Option<(isize, usize)> {
     let start = from + usize::from(matches!(text.get(from), Some(b'+' | b'-')));
     let count = text[start.min(text.len())..].iter().take_while(|byte| byte.is_ascii_digit()).count();
@@ -71,7 +71,7 @@ fn power(text: &[u8], from: usize) -> Option<(isize, usize)> {
     Some((if text.get(from) == Some(&b'-') { -value } else { value }, start + count))
 }
 
-/// Reads Fortran's `1.0D+3` as `1.0e+3`.
+/// Parses a number in Fortran's spelling, such as `1.0D+3` for `1.0e+3`.
 fn fortran(text: &str) -> Result<f64, NumberFault> {
     let text = text.replacen(['d', 'D'], "e", 1);
     if text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c)) {
@@ -80,7 +80,7 @@ fn fortran(text: &str) -> Result<f64, NumberFault> {
     Err(NumberFault::NotANumber)
 }
 
-/// Distinguishes `inf` from `1e999` and `0.0` from `1e-999`.
+/// The result for a text whose value is zero, subnormal or not finite. Distinguishes `inf` from `1e999`, and `0.0` from `1e-999`.
 fn not_normal(text: &str, value: f64) -> Result<f64, NumberFault> {
     let mantissa = text.split(['e', 'E', 'd', 'D']).next().unwrap_or_default();
     let nonzero = mantissa.bytes().any(|byte| matches!(byte, b'1'..=b'9'));

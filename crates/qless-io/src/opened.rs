@@ -1,4 +1,4 @@
-//! Reads files and detects by their content whether they hold a matrix or a deck.
+//! Reads files, and detects from their content whether they hold a matrix, relations or a deck.
 
 use std::path::{Path, PathBuf};
 
@@ -10,12 +10,12 @@ use crate::error::read_file;
 use crate::matrix_market::header;
 use crate::{ReadError, bytes, relations};
 
-/// Content of a file.
+/// What a file holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileContent {
     /// A matrix, in Matrix Market format.
     Matrix,
-    /// Named relations.
+    /// Relations between named DOFs.
     Relations,
     /// A finite-element deck.
     Deck(Format),
@@ -47,8 +47,8 @@ pub struct Opened {
 }
 
 impl Opened {
-    /// Reads a file (or standard input, for the path `-`), unpacked and decoded if needed. The first cards decide a
-    /// deck's format; if they do not, the requested solver does, or else the ending.
+    /// Reads a file (or standard input, for the path `-`), unpacked and decoded if needed. The first cards of a deck decide its format. If
+    /// they do not, the format is that of the requested solver, or else that of the file's ending.
     ///
     /// # Errors
     /// [`ReadError::Io`], or [`ReadError::Unknown`] if no reader recognises the content.
@@ -59,22 +59,22 @@ impl Opened {
             _ if header::is_present(&text) => FileContent::Matrix,
             _ if relations::is_relations(path, &text) => FileContent::Relations,
             Ok(format) => FileContent::Deck(format),
-            // The reader of matrices explains the fault better.
+            // The path has the ending of a matrix file. The reader of matrices explains better what is wrong.
             Err(_) if is_matrix(path) => FileContent::Matrix,
             Err(seen) => return Err(ReadError::Unknown { path: path.to_path_buf(), seen }),
         };
         Ok(Self { path: path.to_path_buf(), text, content })
     }
 
-    /// Content of the file.
+    /// What the file holds.
     pub fn content(&self) -> FileContent {
         self.content
     }
 
-    /// Parses a deck for a solver, or for the default solver of its format.
+    /// Parses a deck for a solver; without one, for the default solver of the deck's format.
     ///
     /// # Errors
-    /// [`ReadError`]: the file is a matrix, the solver does not read its format, or the deck has an error.
+    /// [`ReadError`] if the file is no deck, if the solver does not read its format, or if the deck has an error.
     pub fn into_deck(self, solver: Option<Solver>) -> Result<Deck, ReadError> {
         let Self { path, text, content } = self;
         let FileContent::Deck(format) = content else {
@@ -94,7 +94,7 @@ impl Opened {
     /// relations contain their own.
     ///
     /// # Errors
-    /// [`ReadError`]: the file is a deck, a file is malformed, or `rhs` or `prescribed` is given for relations.
+    /// [`ReadError`] if the file is a deck, if a file is malformed, or if `rhs` or `prescribed` is given for relations.
     pub fn into_case(self, rhs: Option<&Path>, prescribed: Option<&Path>) -> Result<ConstraintSystem, ReadError> {
         let Self { path, text, content } = self;
         match content {
@@ -112,11 +112,11 @@ impl Opened {
 /// Reads a case: a Matrix Market file, a file of [`relations`], or a folder with `C.mtx` and optional files. The path `-` is standard input.
 /// Text may be packed by gzip, or be UTF-16 with a byte order mark.
 ///
-/// `rhs` and `prescribed` name additional files for a `.mtx` file; for a folder they replace its own. Without a
-/// right-hand side, b is zero. An empty label becomes `row 5` or `DOF 5`.
+/// `rhs` and `prescribed` name additional files for a `.mtx` file. For a folder, they replace the folder's own files. Without a right-hand
+/// side, b is zero. An empty label becomes `row 5` or `DOF 5`.
 ///
 /// # Errors
-/// [`ReadError`]: the path is not a case, or one of its files is malformed.
+/// [`ReadError`] if the path is not a case, or if one of its files is malformed.
 ///
 /// ```
 /// use qless_io::read_case;
@@ -162,11 +162,11 @@ pub fn read_deck(path: &Path) -> Result<Deck, ReadError> {
     read_deck_for(path, None)
 }
 
-/// Reads a deck and the files that it includes for a solver, or for the default solver of its format.
+/// Reads a deck and the files that it includes, for a solver; without one, for the default solver of the deck's format.
 ///
 /// # Errors
-/// [`ReadError`]: a file cannot be read or is no deck, the solver does not read its format, or the deck has an error:
-/// a [`DeckError`](crate::deck::DeckError) with file, line, card and field.
+/// [`ReadError`] if a file cannot be read or is no deck, or if the solver does not read its format. An error in the deck is a
+/// [`DeckError`](crate::deck::DeckError) with file, line, card and field.
 ///
 /// ```
 /// use qless_io::deck::{Solver, read_for};

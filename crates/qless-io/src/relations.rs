@@ -1,5 +1,5 @@
-//! Named relations: `sum a_j u_j = b`, one a line, with names of DOFs and relations. Codes whose decks are programs, such as
-//! `code_aster` or scripts of Abaqus, can print their assembled relations in this form.
+//! Reads named relations `sum a_j u_j = b`, each on a line, with names for the DOFs u_j and a label for the relation. Codes whose decks are
+//! programs, such as `code_aster` or scripts of Abaqus, can print their assembled relations in this form.
 //!
 //! ```text
 //! # relations
@@ -51,7 +51,7 @@ const NEXT: &str = "`+`, `-` or `=`, with blanks around it";
 const NAME: &str = "the name of a DOF";
 const END: &str = "the end of the relation";
 
-/// Whether a file holds relations, by its name or its first line.
+/// Whether a file holds relations. Its name or its first line decides.
 pub(crate) fn is_relations(path: &Path, text: &[u8]) -> bool {
     let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
     let first = text.split(|&byte| byte == b'\n').next().unwrap_or_default();
@@ -76,17 +76,18 @@ pub(crate) fn parse(path: &Path, text: &[u8]) -> Result<ConstraintSystem, ReadEr
     all.build().map_err(|source| ReadError::System { path: path.to_path_buf(), source })
 }
 
-/// Terms by column, and the right-hand side.
+/// The terms of a relation, each with its column and coefficient, and the right-hand side.
 type ColumnTerms = (Vec<(usize, f64)>, f64);
 
-/// The relations read so far.
+/// The relations that were read so far.
 #[derive(Default)]
 struct AllRelations {
     columns: FxHashMap<String, usize>,
     names: Vec<String>,
-    /// Labels, and terms by column with right-hand sides.
+    /// The relations that do not prescribe a DOF, each with its label, terms and right-hand side. Also contradicting values of prescribed
+    /// DOFs.
     equations: Vec<(String, ColumnTerms)>,
-    /// The first value of each prescribed DOF, with its label.
+    /// For each prescribed DOF, by column: the label and the value of the first relation that prescribes it.
     prescribed: FxHashMap<usize, (String, f64)>,
 }
 
@@ -123,13 +124,13 @@ impl AllRelations {
     }
 }
 
-/// One line.
+/// The relation on one line.
 #[derive(Debug, PartialEq)]
 struct Relation {
     label: Option<String>,
     terms: Vec<(String, f64)>,
     rhs: f64,
-    /// Whether it is a single DOF without sign and coefficient.
+    /// Whether the relation prescribes a DOF: it consists of a single DOF without sign and coefficient.
     is_prescribed: bool,
 }
 
@@ -159,14 +160,14 @@ fn is_name(word: &[u8]) -> bool {
         && real(word) == Err(NumberFault::NotANumber)
 }
 
-/// The words of a line that are not yet read.
+/// The words of a line that were not yet read.
 struct Words<'a> {
     line: &'a [u8],
     words: &'a [&'a [u8]],
 }
 
 impl Words<'_> {
-    /// A sign, which only the first term may leave out, a coefficient and a name.
+    /// Reads a term: a sign, a coefficient and a name. Only the first term may leave out the sign.
     fn term(&mut self, is_first: bool) -> Result<(String, f64), TextFault> {
         let sign = match self.words.first() {
             Some(&b"-") => Some(-1.0),
@@ -189,7 +190,7 @@ impl Words<'_> {
         Ok((String::from_utf8_lossy(name).into_owned(), sign.unwrap_or(1.0) * coefficient.unwrap_or(1.0)))
     }
 
-    /// The next word, if it is a number.
+    /// Reads the next word if it is a number; otherwise returns `None` and does not read it.
     fn number(&mut self) -> Result<Option<f64>, TextFault> {
         let Some(word) = self.words.first() else { return Ok(None) };
         match real(word) {
@@ -202,7 +203,7 @@ impl Words<'_> {
         }
     }
 
-    /// Column of the next word, from 1; behind the last one if there is none.
+    /// Where the next word starts in its line, in bytes from 1. If there is none, the place after the last word.
     fn column(&self) -> usize {
         let next = self.words.first().map(|word| word.as_ptr() as usize - self.line.as_ptr() as usize);
         next.unwrap_or(self.line.trim_ascii_end().len()) + 1

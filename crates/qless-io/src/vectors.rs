@@ -1,7 +1,7 @@
-//! The files beside `C.mtx`, with one item a line: right-hand side, prescribed values, labels.
+//! Reads the files beside `C.mtx`: right-hand side, prescribed values and labels, with one item on a line.
 //!
-//! Files of numbers may have blank lines and `#` or `%` comments; in a file of labels every line is a label. Columns
-//! count from 1 in the files, DOFs from 0 here.
+//! Files of numbers may have blank lines and comments that start with `#` or `%`. In a file of labels, every line is a label. Columns count
+//! from 1 in the files, and DOFs from 0 here.
 
 use std::collections::BTreeMap;
 use std::io::BufRead;
@@ -21,8 +21,7 @@ const FORM: &str = "column value";
 /// Reads the right-hand side of `rows` equations.
 ///
 /// # Errors
-/// [`ReadError::Io`], or [`ReadError::Malformed`] for text that is no finite number (with line and row) and for a
-/// wrong number of values.
+/// [`ReadError::Io`], or [`ReadError::Malformed`] if a text is no finite number (with line and row) or if the number of values is wrong.
 ///
 /// ```
 /// use qless_io::vectors::read_rhs;
@@ -44,8 +43,8 @@ pub fn read_rhs(path: &Path, rows: usize) -> Result<Vec<f64>, ReadError> {
     Ok(numbers)
 }
 
-/// Head of a file of right-hand sides, and the position of its numbers. The head is empty, or a Matrix Market header
-/// with sizes.
+/// The head of a file of right-hand sides, and the place where its numbers start. The head is empty, or is a Matrix Market header with
+/// sizes.
 #[derive(Debug)]
 pub struct ChunkedRhs {
     rows: usize,
@@ -55,7 +54,7 @@ pub struct ChunkedRhs {
 }
 
 impl ChunkedRhs {
-    /// Reads header and sizes, if there are any; the file must hold `rows` numbers.
+    /// Reads the header and the sizes, if there are any. The file must hold `rows` numbers.
     ///
     /// # Errors
     /// [`ReadError::Io`], or [`ReadError::Malformed`] with the line.
@@ -76,18 +75,18 @@ impl ChunkedRhs {
         Ok(head)
     }
 
-    /// Byte at which the numbers start.
+    /// The byte of the file at which the numbers start.
     pub fn start(&self) -> u64 {
         self.start
     }
 
-    /// Lines before the numbers.
+    /// Counts of the lines that precede the numbers.
     pub fn before(&self) -> LineCount {
         self.before
     }
 
-    /// Parses the numbers in a chunk; `before` counts the lines and numbers before it. The first number belongs to
-    /// row `before.items`, from 0.
+    /// Parses the numbers in a chunk. `before` counts the lines and numbers of the file that precede it. The first number of the chunk
+    /// belongs to row `before.items`, counted from 0.
     ///
     /// # Errors
     /// [`ReadError::Malformed`] with the line.
@@ -105,10 +104,10 @@ impl ChunkedRhs {
         Ok(numbers)
     }
 
-    /// Checks that the whole file has one number for each row; `found` numbers were read.
+    /// Checks that the file has one number for each row. `found` numbers were read from it.
     ///
     /// # Errors
-    /// [`ReadError::Malformed`] if not.
+    /// [`ReadError::Malformed`] if it has more or fewer.
     pub fn check(&self, file: &ChunkedFile, found: usize) -> Result<(), ReadError> {
         self.check_count(file.path(), found)
     }
@@ -134,13 +133,13 @@ fn wrong_count(found: usize, expected: usize) -> TextFault {
     TextFault::Count { what: "numbers", found, expected, each: "row" }
 }
 
-/// Reads `(DOF, value)` for a matrix of `columns` columns; ascending by DOF, 0-based.
+/// Reads the prescribed values for a matrix with `columns` columns, as pairs of DOF and value. DOFs ascend and count from 0.
 ///
-/// A column may repeat with the same value.
+/// A column may occur again with the same value.
 ///
 /// # Errors
-/// [`ReadError::Io`], or [`ReadError::Malformed`] for a column out of range, a value that is not finite, or one column
-/// with two values; the error names both lines.
+/// [`ReadError::Io`], or [`ReadError::Malformed`] if a column is out of range, a value is not finite, or a column has two different values.
+/// In the last case the error names both lines.
 ///
 /// ```
 /// use qless_io::vectors::read_prescribed;
@@ -159,18 +158,19 @@ pub fn read_prescribed(path: &Path, columns: usize) -> Result<Vec<(usize, f64)>,
     merge_prescribed(path, parse_prescribed(&mut TextLines::new(path, &text), columns)?)
 }
 
-/// One line of prescribed values.
+/// A line that prescribes a value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrescribedLine {
-    /// Column, from 1.
+    /// The column, from 1.
     pub column: usize,
-    /// Prescribed value.
+    /// The prescribed value.
     pub value: f64,
-    /// Line number.
+    /// The number of the line.
     pub line: usize,
 }
 
-/// Parses the prescribed values in a chunk for a matrix of `columns` columns; `before` counts the lines before it.
+/// Parses the prescribed values in a chunk, for a matrix with `columns` columns. `before` counts the lines of the file that precede the
+/// chunk.
 ///
 /// # Errors
 /// [`ReadError::Malformed`] with the line.
@@ -200,13 +200,12 @@ fn prescribed_line(line: &TextLine, columns: usize) -> Result<PrescribedLine, Re
     Ok(PrescribedLine { column, value, line: line.number })
 }
 
-/// Joins the prescribed values of all chunks, in the order of the file, into `(DOF, value)`: ascending by DOF,
-/// 0-based.
+/// Joins the prescribed values of all chunks, given in the order of the file, into pairs of DOF and value. DOFs ascend and count from 0.
 ///
 /// # Errors
-/// [`ReadError::Malformed`] for one column with two values.
+/// [`ReadError::Malformed`] if a column has two different values.
 pub fn merge_prescribed(path: &Path, mut prescribed: Vec<PrescribedLine>) -> Result<Vec<(usize, f64)>, ReadError> {
-    // The sort is stable, so that the earlier line stays first.
+    // The sort is stable, so of two lines for a column the earlier one stays first.
     prescribed.sort_by_key(|line| line.column);
     let differ = |pair: &&[PrescribedLine]| pair[0].column == pair[1].column && pair[0].value != pair[1].value;
     if let Some([first, second]) = prescribed.windows(2).find(differ) {
@@ -224,7 +223,7 @@ pub fn merge_prescribed(path: &Path, mut prescribed: Vec<PrescribedLine>) -> Res
 /// end of the file are ignored.
 ///
 /// # Errors
-/// [`ReadError::Io`], or [`ReadError::Malformed`] for a wrong number of labels.
+/// [`ReadError::Io`], or [`ReadError::Malformed`] if the number of labels is wrong.
 ///
 /// ```
 /// use qless_io::vectors::read_labels;
@@ -250,11 +249,11 @@ pub fn read_labels(path: &Path, expected: usize, each: &'static str) -> Result<V
     Ok(labels)
 }
 
-/// Checks that a file of labels has one for each of `expected` rows or columns. `lines` is its number of lines,
-/// `last_filled` the last line that is not blank, from 1; `each` is "row" or "column".
+/// Checks that a file of labels has one label for each of `expected` rows or columns. `lines` is the number of its lines, and `last_filled`
+/// is its last line that is not blank, from 1. `each` is "row" or "column".
 ///
 /// # Errors
-/// [`ReadError::Malformed`] if not.
+/// [`ReadError::Malformed`] if it has more or fewer labels.
 pub fn check_labels(
     path: &Path,
     (lines, last_filled): (usize, usize),
@@ -268,8 +267,7 @@ pub fn check_labels(
     Err(ReadError::malformed(path, None, TextFault::Count { what: "labels", found, expected, each }))
 }
 
-/// Reads the labels of these rows or columns (0-based, ascending) in one pass over the file. Blank lines give no
-/// label.
+/// Reads the labels of the rows or columns in `wanted` (from 0, ascending), in one pass over the file. A blank line gives no label.
 ///
 /// # Errors
 /// [`ReadError::Io`].

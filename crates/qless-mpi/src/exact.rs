@@ -10,9 +10,9 @@ use crate::ranks::Ranks;
 const BITS: usize = 32;
 /// Digits for the 2098 bits of a number, 64 bits for carries, and the sign.
 const DIGITS: usize = 69;
-/// Additions after which carries are propagated. Each adds less than 2^32 to a digit, so a digit could hold 2^31 of them.
+/// The number of additions after which carries are propagated. Each addition changes a digit by less than 2^32, so up to 2^31 would fit.
 const PATIENCE: u32 = 1 << 16;
-/// Added to the highest digit, a small signed carry, so that the word of this digit is positive while the ranks are summed.
+/// Added to the word of the highest digit, which holds a small signed carry, so that this word is not negative while the ranks are summed.
 const LIFT: u64 = 1 << 40;
 
 /// The sum of the numbers of all ranks, rounded to the nearest double. Its bits are the same on all ranks, for any distribution and
@@ -40,7 +40,7 @@ struct ExactSum {
     digits: [i64; DIGITS],
     /// Additions since carries were last propagated.
     added: u32,
-    /// Counts of positive infinities, negative infinities and NaNs.
+    /// Numbers of positive infinities, negative infinities and NaNs that were added.
     others: [u64; 3],
 }
 
@@ -84,7 +84,7 @@ impl ExactSum {
         self.added = 0;
     }
 
-    /// Words that may be summed over ranks.
+    /// The words of this rank: [`Ranks::sum`] adds those of all ranks.
     fn into_words(mut self) -> Vec<u64> {
         self.carry();
         let mut words: Vec<u64> = self.digits.iter().map(|&digit| digit as u64).collect();
@@ -93,7 +93,7 @@ impl ExactSum {
         words
     }
 
-    /// The sum from words that were summed over this number of ranks.
+    /// Decodes words that were summed over this number of ranks.
     fn from_words(words: &[u64], ranks: usize) -> Self {
         let mut sum = Self::default();
         sum.digits.iter_mut().zip(words).for_each(|(digit, &word)| *digit = word as i64);

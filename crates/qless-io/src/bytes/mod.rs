@@ -14,9 +14,9 @@ use std::path::Path;
 
 pub use plain::without_gz;
 
-/// Most bytes read from a source without a size.
+/// Largest number of bytes that are read from a source without a size.
 const STREAM: usize = 1 << 28;
-/// Most bytes of a line in a source without a size.
+/// Largest length of a line, in bytes, in a source without a size.
 pub(crate) const LINE: usize = 1 << 20;
 /// Bytes read at a time.
 const CHUNK: u64 = 1 << 16;
@@ -81,7 +81,7 @@ pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
     plain::text(stored(file, if kind.is_file() { kind.len() } else { 0 })?)
 }
 
-/// Reads all bytes. `size` is the expected number, or 0 if unknown.
+/// Reads all bytes of a source. `size` is the expected number of bytes, or 0 if it is unknown.
 fn stored(mut file: impl Read, size: u64) -> io::Result<Vec<u8>> {
     let whole = usize::try_from(size).unwrap_or(usize::MAX);
     let mut bytes = room_for(size)?;
@@ -102,7 +102,7 @@ fn stored(mut file: impl Read, size: u64) -> io::Result<Vec<u8>> {
     }
 }
 
-/// Reserves `size` bytes and one more, so that the end of the file is found without growing.
+/// Reserves `size` bytes and one more. With this byte the end of the file is found without enlarging the buffer.
 pub(crate) fn room_for(size: u64) -> io::Result<Vec<u8>> {
     let size = usize::try_from(size).unwrap_or(usize::MAX);
     let mut bytes = Vec::new();
@@ -110,7 +110,7 @@ pub(crate) fn room_for(size: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Checks the limits of a source without a size: `read` bytes so far, `open` of them after the last line end.
+/// Checks the limits of a source without a size. `read` counts the bytes so far, and `open` those after the last line end.
 fn check(read: usize, open: usize) -> Result<(), TooMuch> {
     if open > LINE {
         return Err(TooMuch::Line { read: open });

@@ -11,7 +11,7 @@ use flate2::read::MultiGzDecoder;
 
 use super::{CHUNK, TooMuch, check};
 
-/// Bytes that any gzip file may unpack to.
+/// Any gzip file may unpack to this many bytes; beyond it, the limits on line length and ratio apply.
 const SMALL: usize = 1 << 26;
 /// Largest ratio of unpacked to packed size. Text rarely packs better than 20 to 1 unless it repeats itself.
 const RATIO: usize = 200;
@@ -57,7 +57,7 @@ pub fn without_gz(path: &Path) -> Option<&Path> {
     path.extension().filter(|ending| ending.eq_ignore_ascii_case("gz")).and(path.file_stem()).map(Path::new)
 }
 
-/// Plain text of a file.
+/// Unpacks and decodes the content of a file to plain text.
 pub(super) fn text(bytes: Vec<u8>) -> io::Result<Vec<u8>> {
     let bytes = if bytes.starts_with(b"\x1f\x8b") { unpack(&bytes)? } else { bytes };
     let bytes = match bytes.get(..2) {
@@ -82,7 +82,7 @@ fn unpack(packed: &[u8]) -> io::Result<Vec<u8>> {
             return Ok(unpacked);
         }
         line = memchr::memrchr(b'\n', &unpacked[before..]).map_or(line, |at| before + at + 1);
-        // A lone carriage return ends a line too, and so does one in UTF-16, which has a zero byte beside it.
+        // A carriage return ends a line too. This also finds those of UTF-16, which have a zero byte beside them.
         line = memchr::memrchr(b'\r', &unpacked[before..]).map_or(line, |at| line.max(before + at + 1));
         if unpacked.len() > SMALL {
             check(0, unpacked.len() - line)?;
@@ -107,11 +107,11 @@ fn utf8(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> io::Result<Vec<u8>> {
         return Err(Damaged::OddUtf16.into());
     }
     let mut text = String::new();
-    // One byte for each UTF-16 unit: enough for ASCII. The string grows if the text has other characters.
+    // ASCII needs one byte for each UTF-16 unit of two bytes. The string grows if the text has other characters.
     text.try_reserve(bytes.len() / 2).map_err(|_| TooMuch::Memory { size: bytes.len() })?;
     let mut units = 0;
     for character in char::decode_utf16(pairs.iter().map(|pair| unit(*pair))) {
-        // The byte order mark takes two bytes.
+        // Byte numbers count from 1, and the byte order mark takes two bytes.
         let c = character.map_err(|_| Damaged::Surrogate { byte: 2 * units + 3 })?;
         units += c.len_utf16();
         text.push(c);

@@ -4,15 +4,15 @@
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CardFault {
-    /// A line in free field has data beyond the field of its continuation mark.
+    /// A line in free field has data after the field of its continuation mark.
     #[error("{found} follows the {count} data fields and the continuation field of the line; use a continuation line")]
     TooManyFields {
-        /// Data fields a line has.
+        /// The number of data fields that a line may have.
         count: usize,
         /// The surplus text, quoted.
         found: String,
     },
-    /// A scalar point is given a component above 1.
+    /// A card gives a scalar point a component above 1.
     #[error("{node} is a scalar point, which has no component {component}; write 0 or leave the field blank")]
     ScalarComponent {
         /// The point.
@@ -20,10 +20,10 @@ pub enum CardFault {
         /// The component.
         component: u8,
     },
-    /// A grid point is given no component.
+    /// A card gives a grid point without a component.
     #[error("{node} is a grid point and needs a component; write digits from 1 to 6")]
     NoComponent {
-        /// The grid point.
+        /// The number of the grid point.
         node: u32,
     },
     /// The line that should continue a card is missing.
@@ -31,13 +31,13 @@ pub enum CardFault {
         "the card continues at `+{expected}`, but no remaining line begins with it; add the line or remove the mark"
     )]
     NoContinuation {
-        /// The continuation name in the card.
+        /// The name of the continuation line that the card expects.
         expected: Box<str>,
     },
-    /// No card names this continuation line.
+    /// No card expects this continuation line.
     #[error("the line continues a card at `+{found}`, but no card names it; put the line right after its card")]
     Orphan {
-        /// The continuation name at the start of the line.
+        /// The name at the start of the continuation line.
         found: Box<str>,
     },
     /// The solver does not find this continuation line.
@@ -57,28 +57,28 @@ pub enum CardFault {
     /// The two ends of a joint are at different places.
     #[error("grid points {a} and {b} of the joint have to be at the same place; correct one of them")]
     JointApart {
-        /// One end.
+        /// The grid point at one end.
         a: u32,
-        /// The other end.
+        /// The grid point at the other end.
         b: u32,
     },
-    /// One object has two different definitions.
+    /// Two cards define the same object differently.
     #[error("{what} {id} has another definition in {other}; keep one of the two")]
     DefinedTwice {
-        /// "grid point", "coordinate system", "GRDSET".
+        /// The kind of the object: "grid point", "coordinate system" or "GRDSET".
         what: &'static str,
-        /// Its number.
+        /// The number of the object.
         id: u32,
         /// File and line of the other card.
         other: Box<str>,
     },
-    /// A rigid body is given more or fewer than six independent components.
+    /// A card gives a rigid body more or fewer than six independent components.
     #[error("{found} independent components are given; a rigid body has 6, give exactly that many")]
     IndependentCount {
         /// Number of independent components found.
         found: usize,
     },
-    /// Six independent components leave some rigid motion free.
+    /// The six independent components of a rigid body leave some rigid motion free.
     #[error("the 6 independent components do not fix the body: some motion moves none of them; choose others")]
     IndependentSingular,
     /// A component is both dependent and independent.
@@ -107,15 +107,15 @@ pub enum CardFault {
         /// The component.
         component: u8,
     },
-    /// The UM list of an element has the wrong length.
+    /// The list after UM of an element has the wrong length.
     #[error("UM names {found} components, but REFC has {expected}; name as many")]
     UmCount {
-        /// Components after UM.
+        /// Number of components after UM.
         found: usize,
-        /// Components of REFC.
+        /// Number of components in REFC.
         expected: usize,
     },
-    /// The element's equations cannot be solved for the UM components.
+    /// The element's equations cannot be solved for the components after UM.
     #[error("the element cannot be solved for the components after UM; choose others that it connects")]
     UmSingular,
     /// An element connects no components.

@@ -23,12 +23,12 @@ enum NameParts {
 }
 
 impl CardName {
-    /// A name of a word and a number.
+    /// A name that consists of a word and a number.
     pub fn numbered(word: &'static str, number: u32) -> Self {
         Self(NameParts::Numbered(word, number))
     }
 
-    /// Whether the name is this word and a number.
+    /// Whether the name consists of this word and some number.
     pub(super) fn is_numbered(&self, word: &str) -> bool {
         matches!(self.0, NameParts::Numbered(own, _) if own == word)
     }
@@ -41,7 +41,7 @@ impl CardName {
         }
     }
 
-    /// Difference of the two numbers; 0 if one name has none.
+    /// The number of `other` minus the number of this name; 0 if one of them has no number.
     pub(super) fn distance(&self, other: &Self) -> u32 {
         match (&self.0, &other.0) {
             (NameParts::Numbered(_, number), NameParts::Numbered(_, other)) => other.wrapping_sub(*number),
@@ -109,7 +109,7 @@ pub struct Card {
     pub is_fixed: bool,
 }
 
-/// Cards by their number, from 0.
+/// The cards of a deck, numbered from 0.
 ///
 /// ```
 /// # let place = tempfile::tempdir()?;
@@ -125,13 +125,14 @@ pub struct Card {
 pub struct Cards {
     runs: Vec<CardRun>,
     count: u32,
-    /// Cards that equations cannot replace, with a reason if the name does not explain it.
+    /// Cards that equations cannot replace. A reason is given unless the name of the card explains it.
     irreplaceable: BTreeMap<u32, Option<&'static str>>,
-    /// Cards whose nodes can be left out one by one.
+    /// Cards from which the writer can leave out nodes one by one.
     divisible: BTreeSet<u32>,
 }
 
-/// A run of cards: the number of card `first + k` is that of `card` plus `k * numbers`, and its line that of `card` plus `k * lines`.
+/// A run of similar cards that follow one another. The name of card `first + k` has the number of `card` plus `k * numbers`, and its line
+/// is that of `card` plus `k * lines`.
 #[derive(Clone, Debug)]
 struct CardRun {
     first: u32,
@@ -163,12 +164,12 @@ impl Cards {
         self.count as usize
     }
 
-    /// Whether there are none.
+    /// Whether there are no cards.
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }
 
-    /// Card `i`, as in [`Origin`](super::Origin), if it exists.
+    /// Card `i`, which is a number as in [`Origin`](super::Origin); `None` if it does not exist.
     pub fn get(&self, i: u32) -> Option<Card> {
         (i < self.count).then(|| self.nth(i))
     }
@@ -184,7 +185,7 @@ impl Cards {
         self.runs.last().map(|run| run.at(self.count - 1))
     }
 
-    /// The first card of this name.
+    /// The number of the first card with this name.
     pub(super) fn find(&self, name: &str) -> Option<u32> {
         (0..self.count).find(|&i| self.nth(i).name == name)
     }
@@ -199,7 +200,7 @@ impl Cards {
         self.count - 1
     }
 
-    /// Sets whether equations cannot replace card `i`.
+    /// Sets whether card `i` is one that equations cannot replace.
     pub(super) fn mark_irreplaceable(&mut self, i: u32, is_irreplaceable: bool) {
         if is_irreplaceable {
             self.irreplaceable.insert(i, None);
@@ -213,7 +214,7 @@ impl Cards {
         self.divisible.insert(i);
     }
 
-    /// Forgets which cards were marked as divisible.
+    /// Forgets which cards are divisible, so that no nodes are left out of them.
     pub(super) fn keep_whole(&mut self) {
         self.divisible.clear();
     }
@@ -223,12 +224,12 @@ impl Cards {
         self.divisible.contains(&i) || self.nth(i).name.is_numbered("RBE2")
     }
 
-    /// Records why equations cannot replace card `i`, and how to change that.
+    /// Records that equations cannot replace card `i`, why this is so, and how to change it.
     pub(super) fn fix_because(&mut self, i: u32, why: &'static str) {
         self.irreplaceable.insert(i, Some(why));
     }
 
-    /// Why equations cannot replace card `i`, unless its name explains it.
+    /// Why equations cannot replace card `i`; `None` if they can, or if the name of the card explains it.
     pub fn why_fixed(&self, i: u32) -> Option<&'static str> {
         self.irreplaceable.get(&i).copied().flatten()
     }

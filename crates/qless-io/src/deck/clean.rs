@@ -1,9 +1,9 @@
 //! Cleans a deck: makes its equations independent. No DOF is then the slave of two equations, and no slave is prescribed.
 //!
-//! Equations are treated by connected component ("part"). Equations that share free DOFs or lines of text are connected. A part without
-//! faults and dependent equations stays byte for byte. If leaving out cards or nodes removes the dependent equations and the faults,
-//! nothing else changes. Otherwise the whole part is rewritten as `u_s - T u_q - G u_p = g` (equations 23 to 26 of the paper), in which no
-//! slave occurs twice. A cleaned deck has no faults, so that cleaning it again changes nothing.
+//! Each connected component ("part") of equations is treated alone. Equations that share free DOFs or lines of text are connected. A part
+//! without faults and dependent equations keeps its text, byte for byte. If leaving out cards or nodes removes the dependent equations and
+//! the faults, nothing else changes. Otherwise the whole part is rewritten as `u_s - T u_q - G u_p = g` (equations 23 to 26 of the paper),
+//! in which no slave occurs twice. A cleaned deck has no faults, so that cleaning it again changes nothing.
 //!
 //! The new text is read again to prove that it constrains as the original: see `proof`.
 
@@ -20,7 +20,8 @@ pub use super::plan::{Cases, CleanError, Ended, Plan, Reason, Removed, Written, 
 pub(super) use super::plan::{Edits, Renamed, shortened};
 pub use super::solver::{Finding, Loss, findings, loss};
 
-/// Plans the changes of a deck and carries them out. If edits of cards cannot be carried out or proved, equations are rewritten instead.
+/// Plans the changes of a deck and carries them out. First tries to edit cards. If this cannot be carried out or proved, rewrites equations
+/// instead.
 ///
 /// # Errors
 /// As [`plan`] and [`write()`].
@@ -43,11 +44,11 @@ pub fn clean(deck: &Deck, options: &Options) -> Result<(Plan, Vec<u8>), CleanErr
     made(true).or_else(|error| made(false).map_err(|_| error))
 }
 
-/// Carries out a plan: returns the new text of the main file. It is read again, and proved to constrain as the deck
+/// Carries out a plan: returns the new text of the main file. The new text is read again, and a proof shows that it constrains as the deck
 /// does in every load case.
 ///
 /// # Errors
-/// [`CleanError`]: text that must change cannot, or the proof fails.
+/// [`CleanError`] if text that must change cannot be changed, or if the proof fails.
 pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
     plan.check(&deck.model)?;
     if plan.is_empty() {

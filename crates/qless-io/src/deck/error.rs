@@ -1,4 +1,4 @@
-//! Errors in decks: file, line, card, field, what was found and what to do.
+//! An error in a deck names the file, the line, the card and the field, what was found and what to do.
 
 use std::path::PathBuf;
 
@@ -26,11 +26,11 @@ pub struct DeckError {
     pub problem: Problem,
 }
 
-/// A fault in a deck.
+/// What is wrong in a deck.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem {
-    /// Another value was expected.
+    /// The text is not what the format requires.
     #[error("expected {expected}, found {found}; correct it")]
     Expected {
         /// What the format requires.
@@ -38,74 +38,74 @@ pub enum Problem {
         /// The text found, quoted.
         found: String,
     },
-    /// A number that cannot be used.
+    /// The text is no usable number.
     #[error("{found} is no usable number: {fault}")]
     Number {
         /// The text found, quoted.
         found: String,
-        /// What is wrong with it.
+        /// What is wrong with the number.
         fault: NumberFault,
     },
-    /// A card ends too early.
+    /// A card ends before it has all that it promises.
     #[error("{promised} {what} are promised, but the card ends after {found}; complete it or correct the number")]
     TooFew {
-        /// What is counted.
+        /// The kind of things that are counted.
         what: &'static str,
-        /// How many the card promises.
+        /// The number that the card promises.
         promised: usize,
-        /// How many there are.
+        /// The number that the card has.
         found: usize,
     },
-    /// Something that the deck names but does not define.
+    /// The deck names something that it does not define.
     #[error("{what} {name} is not defined; define it or correct the name")]
     Undefined {
-        /// "node", "set", "surface", "coordinate system" and the like.
+        /// The kind of the undefined thing: "node", "set", "surface", "coordinate system" and the like.
         what: &'static str,
-        /// Its name or number.
+        /// The name or number of the undefined thing.
         name: String,
     },
-    /// A definition that refers to itself.
+    /// A definition refers to itself.
     #[error("{what} {name} is defined by itself; break the circle")]
     Circular {
-        /// "set", "coordinate system" and the like.
+        /// The kind of the definition: "set", "coordinate system" and the like.
         what: &'static str,
-        /// Its name or number.
+        /// The name or number of the definition.
         name: String,
     },
     /// A parameter that the card needs is missing.
     #[error("the parameter {name} is missing; add `{name}=...`")]
     NoParameter {
-        /// The parameter.
+        /// The name of the parameter.
         name: &'static str,
     },
-    /// Degenerate geometry, such as a plane through three nodes on a line.
+    /// The geometry is degenerate, for example if a plane passes through three nodes on a line.
     #[error("{what}; correct the coordinates or the nodes")]
     Degenerate {
-        /// What is degenerate.
+        /// A description of what is degenerate.
         what: String,
     },
-    /// An included file that cannot be read.
+    /// An included file cannot be read.
     #[error("the included file {file} cannot be read: {reason}; correct the name or put the file there")]
     Include {
-        /// The name in the deck.
+        /// The name of the file in the deck.
         file: String,
-        /// The system's reason.
+        /// The reason that the operating system gives.
         reason: String,
     },
-    /// An included file that is too large or never ends.
+    /// An included file is too large or never ends.
     #[error("the included file {reason}")]
     IncludeTooLarge {
-        /// The name in the deck, how much was read, and the limit.
+        /// A text with the name of the file in the deck, the number of bytes read, and the limit.
         reason: String,
     },
-    /// A limit of this reader.
+    /// The deck exceeds a limit of this reader.
     #[error("{what} exceeds the limit of {limit}; {advice}")]
     Limit {
-        /// What is too large.
+        /// The quantity that is too large.
         what: &'static str,
-        /// The limit.
+        /// The value of the limit.
         limit: usize,
-        /// What to do.
+        /// What the user can do.
         advice: &'static str,
     },
     /// A fault that only some cards can have.

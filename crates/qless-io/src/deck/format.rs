@@ -22,7 +22,7 @@ impl Format {
     /// All formats.
     pub const ALL: [Self; 4] = [Self::Calculix, Self::Ansys, Self::Nastran, Self::LsDyna];
 
-    /// The format for the ending of a path, without `.gz`.
+    /// The format that the ending of a path stands for; a final `.gz` is ignored.
     pub fn from_path(path: &Path) -> Option<Self> {
         if let Some(path) = without_gz(path) {
             return Self::from_path(path);
@@ -68,7 +68,7 @@ pub enum Solver {
     LsDyna,
 }
 
-/// The name of no known [`Solver`].
+/// A solver name that is none of the known ones.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{0}` is not a known solver; use one of ccx, abaqus, nastran, mystran, optistruct, ansys, lsdyna")]
 pub struct UnknownSolver(String);
@@ -93,7 +93,7 @@ impl Solver {
         }
     }
 
-    /// Name on the command line.
+    /// The name of the solver on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Ccx => "ccx",
@@ -107,7 +107,7 @@ impl Solver {
     }
 }
 
-/// The default solver of a format.
+/// Gives the default solver of a format.
 impl From<Format> for Solver {
     fn from(format: Format) -> Self {
         match format {

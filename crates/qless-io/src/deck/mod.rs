@@ -13,9 +13,8 @@
 //! | `lsdyna` | reader of `.k`, `.key`, `.dyn` |
 //! | [`clean`] | writes a cleaned deck, and proves that it constrains the same |
 //!
-//! The first cards of a deck decide its format; if they do not, the requested solver does, or else the ending. Text
-//! may be packed by gzip, or be UTF-16 with a byte order mark. Lines may end in LF, CRLF or CR. The path `-` is
-//! standard input.
+//! The first cards of a deck decide its format. If they do not decide, the requested solver does, or else the ending of the file name. Text
+//! may be packed by gzip, or be UTF-16 with a byte order mark. Lines may end in LF, CRLF or CR. The path `-` is standard input.
 //!
 //! A reader turns a deck and its included files into a [`Model`], which knows the card and the line of every equation.
 //! [`Model::system`] gives `C u = b` for a load case. [`clean`] plans the changes after which a solver accepts the
@@ -66,28 +65,28 @@ pub struct Deck {
 }
 
 impl Deck {
-    /// Format of the deck.
+    /// The format of the deck.
     pub fn format(&self) -> Format {
         self.solver.format()
     }
 
-    /// Solver that the deck was read for.
+    /// The solver for which the deck was read.
     pub fn solver(&self) -> Solver {
         self.solver
     }
 
-    /// Constraints of the deck.
+    /// The constraints of the deck.
     pub fn model(&self) -> &Model {
         &self.model
     }
 
-    /// The bytes of [`Model::files`].
+    /// The bytes of each file in [`Model::files`].
     pub fn texts(&self) -> &[Arc<Vec<u8>>] {
         &self.texts
     }
 
-    /// Positions of nodes in the model's axes, by number. Nodes that commands generate are left out, and so are
-    /// ANSYS nodes in coordinate systems that the reader does not follow.
+    /// The position of each node, by its number, in the model's axes. Nodes that commands generate are left out, and so are ANSYS nodes in
+    /// coordinate systems that the reader does not follow.
     ///
     /// ```
     /// # let place = tempfile::tempdir()?;
@@ -105,8 +104,8 @@ impl Deck {
         }
     }
 
-    /// Nodes of a set, by name in any case: `*NSET` in CalculiX and Abaqus, components in ANSYS, the number of `*SET_NODE` in LS-DYNA.
-    /// Nastran decks have no named sets.
+    /// The nodes of the set with this name, in capitals or not: `*NSET` in CalculiX and Abaqus, components in ANSYS, the number of
+    /// `*SET_NODE` in LS-DYNA. Nastran decks have no named sets.
     ///
     /// ```
     /// # let place = tempfile::tempdir()?;
@@ -135,14 +134,14 @@ impl Deck {
         }
     }
 
-    /// Reads the deck's text again.
+    /// Reads the deck again from its text in memory.
     fn again<T>(&self, read: impl FnOnce(&mut Sources) -> T) -> T {
         let mut none = |_: &Path| Err(std::io::ErrorKind::NotFound.into());
         read(&mut Sources::again(self.solver, &self.model.files, &self.texts, &mut none))
     }
 }
 
-/// Parses a deck for a solver, or for the default solver of a format. `open` reads included files.
+/// Parses a deck for a solver, or, if a format is given, for the default solver of the format. `open` reads included files.
 ///
 /// # Errors
 /// [`DeckError`].
@@ -153,7 +152,7 @@ pub fn parse(solver: impl Into<Solver>, path: &Path, bytes: Vec<u8>, open: Open)
     Ok(Deck { solver: sources.solver(), model, texts: sources.into_texts() })
 }
 
-/// Reads the model of a deck. An ANSYS model also has the DOFs `others`, although no equation may name them.
+/// Reads the model of a deck. A model of an ANSYS deck also has the DOFs `others`, even if no equation names them.
 fn read_model(sources: &mut Sources, others: &[Dof]) -> Result<Model, DeckError> {
     match sources.solver().format() {
         Format::Calculix => calculix::read(sources),

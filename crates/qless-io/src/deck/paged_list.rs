@@ -2,10 +2,10 @@
 
 use std::ops::{Index, IndexMut};
 
-/// Items in a page.
+/// Number of items in a page.
 const PAGE: usize = 1 << 14;
 
-/// Items in pages; all pages but the last are full.
+/// A list that is split into pages. All pages but the last are full.
 #[derive(Clone, Debug)]
 pub(super) struct PagedList<T> {
     pages: Vec<Vec<T>>,
@@ -27,7 +27,7 @@ impl<T> PagedList<T> {
             last.push(item);
             return;
         }
-        // A short list allocates no full page.
+        // The first page grows as needed, so that a short list takes little memory.
         let room = if self.pages.is_empty() { 0 } else { PAGE };
         let mut page = Vec::with_capacity(room);
         page.push(item);
@@ -55,13 +55,13 @@ impl<T> PagedList<T> {
         self.pages.iter().flatten()
     }
 
-    /// Items from `start` on.
+    /// The items from index `start` on.
     pub fn iter_from(&self, start: usize) -> impl Iterator<Item = &T> + Clone {
         let pages = self.pages.get(start / PAGE..).unwrap_or_default();
         pages.iter().flatten().skip(start % PAGE)
     }
 
-    /// Number of leading items that fulfil `is_such`; no later item may fulfil it.
+    /// Number of leading items for which `is_such` is true. It must be false for all items after them.
     pub fn partition_point(&self, is_such: impl Fn(&T) -> bool) -> usize {
         let full = self.pages.partition_point(|page| page.last().is_some_and(&is_such));
         match self.pages.get(full) {

@@ -1,4 +1,4 @@
-//! The files of a deck: the main file and its includes.
+//! The files of a deck: the main file and the files that it includes.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -8,10 +8,10 @@ use super::{DeckError, Problem, Solver};
 use crate::bytes::is_too_much;
 use crate::deck::limits::{INCLUDE_DEPTH, INCLUDES};
 
-/// Callback that returns the bytes of a file.
+/// A function that returns the bytes of a file.
 pub type Open<'a> = &'a mut dyn FnMut(&Path) -> io::Result<Vec<u8>>;
 
-/// The files read so far, by number.
+/// The files that were read so far. A file is given by its number, from 0.
 pub struct Sources<'a> {
     solver: Solver,
     paths: Vec<PathBuf>,
@@ -21,22 +21,22 @@ pub struct Sources<'a> {
 }
 
 impl<'a> Sources<'a> {
-    /// The main file alone.
+    /// The sources of a deck of which only the main file is read.
     pub fn new(solver: Solver, path: &Path, bytes: Vec<u8>, open: Open<'a>) -> Self {
         Self { solver, paths: vec![path.to_path_buf()], texts: vec![Arc::new(bytes)], open, includes: 0 }
     }
 
-    /// The files of a deck that was read before.
+    /// The sources of a deck whose files were all read before.
     pub(super) fn again(solver: Solver, paths: &[PathBuf], texts: &[Arc<Vec<u8>>], open: Open<'a>) -> Self {
         Self { solver, paths: paths.to_vec(), texts: texts.to_vec(), open, includes: 0 }
     }
 
-    /// The solver that the deck is read for.
+    /// The solver for which the deck is read.
     pub fn solver(&self) -> Solver {
         self.solver
     }
 
-    /// Changes the solver. A reader calls this if the text shows that only the new solver reads it.
+    /// Changes the solver. A reader calls this if the text shows that only the new solver can read the deck.
     pub fn set_solver(&mut self, solver: Solver) {
         self.solver = solver;
     }
@@ -46,21 +46,21 @@ impl<'a> Sources<'a> {
         &self.paths[file]
     }
 
-    /// The bytes of a file, shared.
+    /// The bytes of a file, which are shared and not copied.
     pub fn text(&self, file: usize) -> Arc<Vec<u8>> {
         Arc::clone(&self.texts[file])
     }
 
-    /// All paths, the main file's first.
+    /// The paths of all files, the main file first.
     pub fn paths(&self) -> &[PathBuf] {
         &self.paths
     }
 
-    /// Reads an included file, once, and returns its number. `from` and `line` locate the include, `depth` is its
-    /// nesting. A relative name is looked up beside the main file, then beside the including file.
+    /// Returns the number of an included file, which is read only the first time. The include stands in file `from` at `line`; `depth` is
+    /// its nesting. A relative name is looked up beside the main file, then beside the including file.
     ///
     /// # Errors
-    /// [`DeckError`]: the file cannot be read, or there are too many includes.
+    /// [`DeckError`] if the file cannot be read, or if there are too many includes.
     pub fn include(&mut self, name: &str, from: usize, line: usize, depth: usize) -> Result<usize, DeckError> {
         let fail =
             |problem| DeckError { path: self.paths[from].clone(), line, card: "include".into(), field: None, problem };

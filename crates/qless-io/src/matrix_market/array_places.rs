@@ -1,4 +1,4 @@
-//! Positions of the values of an array, and the triangle that a symmetric file stores.
+//! The rows and columns of the values of an array file, and the triangle that a symmetric file stores.
 
 use super::header::Symmetry;
 use crate::ReadError;
@@ -7,7 +7,7 @@ use crate::lines::TextLine;
 use crate::number::whole;
 
 impl Symmetry {
-    /// First stored row of a column.
+    /// The first row of a column that the file stores.
     fn first_row(self, column: usize) -> usize {
         match self {
             Self::General => 0,
@@ -16,7 +16,7 @@ impl Symmetry {
         }
     }
 
-    /// Number of values that an array of these sizes stores; `None` if a size is no number, or the result would overflow.
+    /// Number of values that an array file with these sizes stores. `None` if a size is no number, or if the result overflows.
     pub(super) fn stored(self, rows: &[u8], columns: &[u8]) -> Option<usize> {
         let (rows, columns) = (whole(rows)?, whole(columns)?);
         match self {
@@ -26,7 +26,8 @@ impl Symmetry {
         }
     }
 
-    /// Refuses an entry outside of the stored triangle, because it could be the mirror image of another entry or a separate one.
+    /// Refuses an entry outside of the stored triangle. It would be unclear whether it is the mirror image of another entry or a separate
+    /// one.
     pub(super) fn check(self, line: &TextLine, row: usize, column: usize) -> Result<(), ReadError> {
         if row < self.first_row(column) {
             return Err(line.fault(TextFault::OtherTriangle { row: row + 1, column: column + 1 }));
@@ -35,7 +36,7 @@ impl Symmetry {
     }
 }
 
-/// Rows and columns of the values of an array, column after column.
+/// The rows and columns of the values of an array file, one column after the other.
 #[derive(Debug)]
 pub(super) struct Positions {
     rows: usize,
@@ -45,7 +46,7 @@ pub(super) struct Positions {
 }
 
 impl Positions {
-    /// Starts after the first `count` values.
+    /// The positions of the values that follow the first `count` values.
     pub fn after(count: usize, rows: usize, symmetry: Symmetry) -> Self {
         let mut positions = Self { rows, symmetry, row: symmetry.first_row(0), column: 0 };
         let mut left = count;
@@ -58,7 +59,7 @@ impl Positions {
         positions
     }
 
-    /// The next row and column.
+    /// The row and column of the next value.
     pub fn next_place(&mut self) -> (usize, usize) {
         let place = (self.row, self.column);
         self.row += 1;

@@ -1,4 +1,4 @@
-//! Parses the lines below the sizes into triplets, in one pass over the bytes.
+//! Parses the lines after the sizes into triplets, in one pass over the bytes.
 
 use std::path::Path;
 
@@ -16,28 +16,28 @@ const SIZES: &str = "rows columns entries";
 const VALUE: &str = "value";
 const ARRAY_SIZES: &str = "rows columns";
 
-/// Bytes of the shortest entry, `1 1 1` and LF: limits the memory reserved for entries to what the file can hold. Entries of an array are
-/// shorter, so its list may have to grow.
+/// Number of bytes of the shortest entry, `1 1 1` and LF. It limits the memory that is reserved to what the entries of the file can need.
+/// Entries of an array are shorter, so their list may have to grow.
 const SHORTEST_ENTRY: usize = 6;
 
-/// Most empty rows or columns. Larger sizes are typing errors, and cost memory.
+/// Largest number of empty rows or columns. Larger sizes are probably typing errors, and would cost memory.
 const MOST_EMPTY: usize = 10_000_000;
 
-/// Bytes read at a time to find an entry.
+/// Number of bytes read at a time in the search for an entry.
 const SEARCHED: u64 = 1 << 24;
 
-/// 0-based row, column and value.
+/// Entries: row and column, both from 0, and value.
 type Entries = Vec<(usize, usize, f64)>;
 
-/// Header and sizes of a matrix file, and the position of its entries.
+/// The header and the sizes of a matrix file, and the place where its entries start.
 #[derive(Debug)]
 pub struct ChunkedMatrix {
     rows: usize,
     columns: usize,
-    /// Number of entries that the sizes promise, one on a line.
+    /// Number of entries that the sizes promise. Each is on a line of its own.
     entries: usize,
     header: Header,
-    /// Line of the sizes.
+    /// Number of the line with the sizes.
     sizes_line: usize,
     start: u64,
 }
@@ -51,7 +51,7 @@ pub(crate) fn parse(path: &Path, text: &[u8]) -> Result<Triplets, ReadError> {
 }
 
 impl ChunkedMatrix {
-    /// Reads header and sizes.
+    /// Reads the header and the sizes of a matrix file.
     ///
     /// # Errors
     /// [`ReadError::Io`], or [`ReadError::Malformed`] with the line.
@@ -96,17 +96,17 @@ impl ChunkedMatrix {
         self.columns
     }
 
-    /// Byte at which the entries start.
+    /// The byte of the file at which the entries start.
     pub fn start(&self) -> u64 {
         self.start
     }
 
-    /// Lines before the entries.
+    /// Counts of the lines that precede the entries.
     pub fn before(&self) -> LineCount {
         LineCount { lines: self.sizes_line, items: 0 }
     }
 
-    /// Parses the entries in a chunk; `before` counts the lines and entries before it. Indices are 0-based.
+    /// Parses the entries in a chunk. `before` counts the lines and entries of the file that precede it. Rows and columns count from 0.
     ///
     /// # Errors
     /// [`ReadError::Malformed`] with the line.
@@ -114,7 +114,7 @@ impl ChunkedMatrix {
         self.parse_entries(&mut lines.after(before.lines), before.items).map(|(entries, _)| entries)
     }
 
-    /// Parses the entries of these lines, and counts the lines with an entry. `before` entries of the file come earlier.
+    /// Parses the entries of these lines. Also returns the number of lines with an entry. `before` entries of the file precede them.
     fn parse_entries(&self, lines: &mut TextLines, before: usize) -> Result<(Entries, usize), ReadError> {
         let room = self.entries.saturating_sub(before).min((lines.unread_bytes() + 1) / SHORTEST_ENTRY);
         let mut entries = Vec::with_capacity(room);
@@ -134,7 +134,7 @@ impl ChunkedMatrix {
         Positions::after(before, self.rows, self.header.symmetry)
     }
 
-    /// Checks that the whole file has all promised entries; `found` entries were read.
+    /// Checks that the file has all promised entries. `found` entries were read from it.
     ///
     /// # Errors
     /// [`ReadError::Malformed`] if entries are missing.
@@ -150,7 +150,7 @@ impl ChunkedMatrix {
         Ok(())
     }
 
-    /// Parses the entry of a line. In an array, `positions` gives its row and column.
+    /// Parses the entry of a line. In an array file, `positions` gives its row and column.
     fn entry(&self, line: &TextLine, positions: &mut Positions) -> Result<(usize, usize, f64), ReadError> {
         let (row, column, value) = if self.header.is_array {
             let [value] = line.fields().ok_or_else(|| line.malformed(VALUE))?;
@@ -166,7 +166,7 @@ impl ChunkedMatrix {
         Ok((row, column, line.number(value, what, self.header.is_integer)?))
     }
 
-    /// An entry and its mirror image, if it has one; zeros of an array give no entries.
+    /// An entry and its mirror image, if it has one. A zero of an array file gives no entry.
     fn both(&self, (row, column, value): (usize, usize, f64)) -> impl Iterator<Item = (usize, usize, f64)> + use<> {
         let mirrored = match self.header.symmetry {
             Symmetry::General => None,
@@ -178,7 +178,7 @@ impl ChunkedMatrix {
     }
 }
 
-/// First and last line with an entry of this 0-based row and column.
+/// The first and the last line with an entry for this row and column, which count from 0. `None` if there is none.
 pub(crate) fn find_entry(path: &Path, place: (usize, usize)) -> Result<Option<(usize, usize)>, ReadError> {
     let file = ChunkedFile::open(path)?;
     let matrix = ChunkedMatrix::open(&file)?;
@@ -198,8 +198,8 @@ pub(crate) fn find_entry(path: &Path, place: (usize, usize)) -> Result<Option<(u
     Ok(found)
 }
 
-/// Parses a number of rows or columns; `None` if the word is no number. Sizes from `u32::MAX` on are errors: the library reserves the
-/// largest index.
+/// Parses the number of rows or columns; `None` if the word is no number. A size of `u32::MAX` or more is an error, because the library
+/// reserves the largest index.
 fn size(line: &TextLine, what: &'static str, word: &[u8], entries: usize) -> Result<Option<usize>, ReadError> {
     match whole(word) {
         Some(size) if size >= u32::MAX as usize => {
@@ -212,7 +212,7 @@ fn size(line: &TextLine, what: &'static str, word: &[u8], entries: usize) -> Res
     }
 }
 
-/// Converts a 1-based index of the file to a 0-based one.
+/// Converts an index of the file, which counts from 1, to one that counts from 0.
 fn index(line: &TextLine, what: &'static str, word: &[u8], size: usize) -> Result<usize, ReadError> {
     let index = whole(word).ok_or_else(|| line.malformed(ENTRY))?;
     if index == 0 || index > size {

@@ -1,4 +1,4 @@
-//! The header `%%MatrixMarket matrix FORMAT FIELD SYMMETRY`: variants that are read, and advice for the others.
+//! Reads the header `%%MatrixMarket matrix FORMAT FIELD SYMMETRY`. For variants that are not supported, says what to do.
 
 use std::io::BufRead;
 use std::path::Path;
@@ -13,27 +13,27 @@ pub(crate) fn is_present(bytes: &[u8]) -> bool {
     TextLines::new(Path::new(""), bytes).not_blank().is_some_and(|line| is_banner(&line))
 }
 
-/// The form of the lines below the sizes, according to the header.
+/// What the header says about the lines after the sizes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Header {
-    /// Values only, column after column (`array`), instead of `row column value`.
+    /// Whether a line holds only a value, column after column (`array`), and not `row column value`.
     pub is_array: bool,
     pub is_integer: bool,
     pub symmetry: Symmetry,
 }
 
-/// Which entries a file leaves out.
+/// Which entries a file leaves out because others imply them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Symmetry {
-    /// None.
+    /// The file leaves out no entries.
     General,
-    /// Those above the diagonal: `a_ji = a_ij`.
+    /// The file leaves out the entries above the diagonal: `a_ji = a_ij`.
     Symmetric,
-    /// Those above and on the diagonal: `a_ji = -a_ij`.
+    /// The file leaves out the entries above the diagonal, `a_ji = -a_ij`, and on it.
     Skew,
 }
 
-/// Reads the header of a vector; returns whether it promises integers.
+/// Reads the header of a vector. Returns whether it promises integers.
 pub(crate) fn read_vector(path: &Path, lines: &mut TextLines) -> Result<bool, ReadError> {
     read(path, lines, &["array"], &["general"]).map(|header| header.is_integer)
 }
@@ -64,16 +64,17 @@ fn read(path: &Path, lines: &mut TextLines, formats: &[&str], symmetries: &[&str
     Ok(Header { is_array: is(format_found, "array"), is_integer: is(field, "integer"), symmetry })
 }
 
-/// Header and sizes of a file. A blank line replaces each comment, so that line numbers stay right and memory stays small.
+/// The header and the sizes of a file. Each comment in between is replaced by a blank line: so line numbers stay right, and the text is
+/// short.
 #[derive(Default)]
 pub(crate) struct FileHead {
     pub text: Vec<u8>,
-    /// Bytes of the head in the file.
+    /// Number of bytes that the head has in the file.
     pub end: u64,
 }
 
 impl FileHead {
-    /// Reads the head. Returns an empty one if the first line that is not blank is no header and `is_optional`.
+    /// Reads the header and the sizes. If `is_optional` is true and the first line that is not blank is no header, returns an empty head.
     pub fn read(file: &ChunkedFile, is_optional: bool) -> Result<Self, ReadError> {
         let mut reader = file.reader()?;
         let mut head = Self::default();

@@ -1,5 +1,4 @@
-//! Matrix Market files of an m x n matrix: `coordinate` or `array`, `real` or `integer`, `general`, `symmetric` or
-//! `skew-symmetric`.
+//! Reads Matrix Market files of an m x n matrix: `coordinate` or `array`, `real` or `integer`, `general`, `symmetric` or `skew-symmetric`.
 //!
 //! ```text
 //! %%MatrixMarket matrix coordinate real general
@@ -10,16 +9,17 @@
 //! 2 2 1.0D+3
 //! ```
 //!
-//! The first line is the header (`%MatrixMarket` is accepted too, in any case), then `rows columns entries`, then one
-//! `row column value` a line, counted from 1. Repeated entries are kept; the library sums them. Exponents may use
+//! The first line is the header (`%MatrixMarket` is accepted too, in capitals or not). `rows columns entries` follows, and then one line
+//! `row column value` for each entry. Rows and columns count from 1. Repeated entries are kept; the library sums them. Exponents may use
 //! Fortran's `D`, and lines may end in CRLF.
 //!
-//! An `array` lists `rows columns`, then all values column after column, one a line; zeros are dropped. A `symmetric` file
-//! stores the lower triangle with the diagonal, a `skew-symmetric` one (`a_ji = -a_ij`) the part below it.
+//! A file in `array` format has a line `rows columns`, and then all values column after column, each on a line. Zeros are dropped. A
+//! `symmetric` file stores the lower triangle with the diagonal. A `skew-symmetric` file (`a_ji = -a_ij`) stores the triangle below the
+//! diagonal.
 //!
-//! Refused, with the line: other headers (`pattern`, `complex`, `hermitian`), entries of the other triangle,
-//! malformed or out-of-range lines, `nan` and `inf`, numbers that overflow or underflow to zero, and a wrong number of
-//! entries. Memory is proportional to the file, not to the sizes it claims.
+//! The following is refused, with the line: other headers (`pattern`, `complex`, `hermitian`), entries of the other triangle, lines that
+//! are malformed or out of range, `nan` and `inf`, numbers that overflow or underflow to zero, and a wrong number of entries. Memory is
+//! proportional to the file, not to the sizes it claims.
 
 mod array_places;
 mod coordinate;
@@ -32,14 +32,14 @@ use crate::error::read_file;
 pub use coordinate::ChunkedMatrix;
 pub(crate) use coordinate::{find_entry, parse};
 
-/// An m x n matrix, as listed in the file.
+/// An m x n matrix as the file lists it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Triplets {
     /// Number of rows m.
     pub rows: usize,
     /// Number of columns n.
     pub columns: usize,
-    /// 0-based `(row, column, value)`, in the order of the file.
+    /// The entries `(row, column, value)` in the order of the file. Rows and columns count from 0.
     pub entries: Vec<(usize, usize, f64)>,
 }
 

@@ -1,4 +1,4 @@
-//! Protects inputs from being overwritten by outputs.
+//! Makes sure that outputs do not overwrite inputs.
 
 use std::ffi::OsString;
 use std::fs;
@@ -10,8 +10,8 @@ use crate::WriteError;
 
 /// Files that a program reads, and that no output may replace.
 ///
-/// A path is identified by the file that it resolves to, so that links and other spellings count too. A path to a missing
-/// file is identified by its name and its folder.
+/// Two paths are equal if they lead to the same file, also through links or with another spelling. A file that does not exist is identified
+/// by its name and its folder.
 ///
 /// ```
 /// use qless_io::write::Inputs;
@@ -28,7 +28,7 @@ use crate::WriteError;
 pub struct Inputs(Vec<FileIdentity>);
 
 impl Inputs {
-    /// Records these files.
+    /// Records the files at these paths as inputs.
     pub fn new(paths: impl IntoIterator<Item: AsRef<Path>>) -> Self {
         Self(paths.into_iter().filter_map(|path| FileIdentity::from_path(path.as_ref())).collect())
     }
@@ -61,7 +61,7 @@ impl FileIdentity {
     }
 }
 
-/// Device and inode on Unix; elsewhere the path without links.
+/// What identifies a file: device and inode on Unix, elsewhere the path without links.
 #[cfg(unix)]
 type FileId = (u64, u64);
 #[cfg(not(unix))]

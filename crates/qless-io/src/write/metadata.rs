@@ -1,4 +1,4 @@
-//! Metadata that a new file takes over from the old one: mode, owner and group.
+//! Lets a new file take over metadata of the file that it replaces: mode, owner and group.
 //!
 //! Access lists and extended attributes are not kept.
 
@@ -8,10 +8,10 @@ use std::path::{Path, PathBuf};
 
 use crate::WriteError;
 
-/// Most links in a chain, as in the kernel.
+/// Largest number of links in a chain, as in the Linux kernel.
 const LINKS: usize = 40;
 
-/// Follows the links at the end of `path`; the target may be missing.
+/// Follows the links at the end of `path`. The file to which they lead may be missing.
 pub(super) fn follow(path: &Path) -> io::Result<PathBuf> {
     let mut path = path.to_path_buf();
     for _ in 0..LINKS {
@@ -23,7 +23,7 @@ pub(super) fn follow(path: &Path) -> io::Result<PathBuf> {
     Err(io::Error::other("too many links to links"))
 }
 
-/// Refuses a file with several names (hard links): all names but one would keep the old content.
+/// Refuses a file with several names (hard links): under all other names, the old content would remain.
 #[cfg(unix)]
 pub(super) fn check_names(path: &Path) -> Result<(), WriteError> {
     use std::os::unix::fs::MetadataExt;
@@ -40,8 +40,8 @@ pub(super) fn check_names(_: &Path) -> Result<(), WriteError> {
     Ok(())
 }
 
-/// Gives `new` the mode, owner and group of `old`, as far as permitted. If the group cannot be kept, the new
-/// group has only rights that all others have too.
+/// Gives `new` the mode, owner and group of `old`, as far as this is permitted. If `new` gets another group, this group has only rights
+/// that all other users have too.
 #[cfg(unix)]
 pub(super) fn keep(old: &Path, new: &Path) -> io::Result<()> {
     use std::os::unix::fs::{MetadataExt, PermissionsExt, chown};

@@ -1,11 +1,11 @@
-//! Writes output files: Matrix Market matrices, numbers one a line, 1-based indices one a line.
+//! Writes output files: Matrix Market matrices, files with a number on each line, and files with an index, from 1, on each line.
 //!
 //! Numbers have the fewest digits that read back as the same 64-bit float. [`Output`] creates missing folders, [`OneFile`] does not.
 //!
-//! All files of one call are first written to hidden files beside their places, and then renamed. So no file is ever half written. Only two
-//! kinds of other files are removed: unchanged ones of an earlier set, and those that the caller names. A set has a
-//! [`Manifest`](crate::Manifest), which says whether all are in place; [`Manifest::check`](crate::Manifest::check) compares the files with
-//! the manifest. A new file takes over the mode of the old one, and its owner and group if permitted.
+//! All files of one call are first written as hidden files beside their final places, and then renamed. So no file is ever half written.
+//! Only two kinds of other files are removed: unchanged ones of an earlier set, and those that the caller names. A set of files has a
+//! [`Manifest`](crate::Manifest), which says whether all of them are in place. [`Manifest::check`](crate::Manifest::check) compares the
+//! files with the manifest. A new file takes over the mode of the old one, and its owner and group if permitted.
 //!
 //! | the program ends | state of the folder |
 //! | --- | --- |
@@ -40,8 +40,8 @@ pub use scratch::{abandon, abandon_unless_at_work, is_at_work};
 
 /// Writes `C.mtx`, `b.txt` and, if there are any, `prescribed.txt`, `rows.txt` and `cols.txt`.
 ///
-/// The last three are removed from the folder if the system has no such data. Labels are written if any of them differs from its default,
-/// the number of the row or column.
+/// Each of the last three is removed from the folder if the system has no such data. Labels are written if any of them differs from its
+/// default, the number of the row or column.
 ///
 /// # Errors
 /// Those of [`Output::commit`].
@@ -64,10 +64,10 @@ pub fn write_case(folder: &Path, system: &ConstraintSystem) -> Result<(), WriteE
     output.commit()
 }
 
-/// Writes a matrix as `coordinate real general`.
+/// Writes a matrix as a Matrix Market file, `coordinate real general`.
 ///
 /// # Errors
-/// [`WriteError`]; a file is then unchanged, but a device or pipe may have received a part.
+/// [`WriteError`]. A file is then unchanged, but a device or pipe may have received part of the text.
 ///
 /// ```
 /// # let place = tempfile::tempdir()?;
@@ -82,10 +82,10 @@ pub fn write_matrix(path: &Path, matrix: &Csr) -> Result<(), WriteError> {
     OneFile::at(path, Inputs::default())?.put(|out| text::matrix(out, matrix))
 }
 
-/// Writes numbers, one a line.
+/// Writes numbers, one on each line.
 ///
 /// # Errors
-/// [`WriteError`]; a file is then unchanged, but a device or pipe may have received a part.
+/// [`WriteError`]. A file is then unchanged, but a device or pipe may have received part of the text.
 ///
 /// ```
 /// # let place = tempfile::tempdir()?;
@@ -98,10 +98,10 @@ pub fn write_numbers(path: &Path, numbers: &[f64]) -> Result<(), WriteError> {
     OneFile::at(path, Inputs::default())?.put(|out| text::numbers(out, numbers))
 }
 
-/// Writes 0-based indices, one a line, as 1-based ones.
+/// Writes indices, one on each line. They count from 0 here and from 1 in the file.
 ///
 /// # Errors
-/// [`WriteError`]; a file is then unchanged, but a device or pipe may have received a part.
+/// [`WriteError`]. A file is then unchanged, but a device or pipe may have received part of the text.
 ///
 /// ```
 /// # let place = tempfile::tempdir()?;

@@ -9,7 +9,8 @@ use super::metadata::{check_names, follow};
 use super::output::Output;
 use crate::WriteError;
 
-/// A file to be written. Links are followed: their target is replaced. A device or pipe, such as `/dev/null`, is written to.
+/// A single file to be written. If its path is a link, the target of the link is replaced. A device or pipe, such as `/dev/null`, receives
+/// the text.
 ///
 /// ```
 /// use qless_io::write::{Inputs, OneFile};
@@ -32,14 +33,13 @@ enum OutputPlace {
 }
 
 impl OneFile {
-    /// Starts a file for `path`, which must be none of `inputs`.
+    /// Prepares to write a file at `path`, which must be none of `inputs`.
     ///
-    /// A file with several names (hard links) is refused. A new file would replace only one of the names, and a file
-    /// overwritten in place is incomplete if the program is killed.
+    /// A file with several names (hard links) is refused. A new file would replace only one of the names. Overwriting the old file in place
+    /// would leave it incomplete if the program is killed.
     ///
     /// # Errors
-    /// [`WriteError`]: the file is an input or has several names, its folder is missing, or nothing can be written
-    /// there.
+    /// [`WriteError`] if the file is an input or has several names, or if its folder is missing or not writable.
     pub fn at(path: &Path, inputs: Inputs) -> Result<Self, WriteError> {
         inputs.check_output(path)?;
         if is_stream(path) {
@@ -60,7 +60,7 @@ impl OneFile {
     /// Writes the file.
     ///
     /// # Errors
-    /// [`WriteError`]; a file is then unchanged, but a device or pipe may have received a part.
+    /// [`WriteError`]. A file is then unchanged, but a device or pipe may have received part of the text.
     pub fn write(self, bytes: &[u8]) -> Result<(), WriteError> {
         self.put(|out| out.write_all(bytes))
     }
@@ -83,7 +83,7 @@ impl OneFile {
     }
 }
 
-/// Whether the path is a device or pipe, which keeps no content that could be lost or half written.
+/// Whether the path is a device or a pipe. It keeps no content that could be lost or half written.
 #[cfg(unix)]
 fn is_stream(path: &Path) -> bool {
     use std::os::unix::fs::FileTypeExt;

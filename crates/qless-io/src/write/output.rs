@@ -1,4 +1,4 @@
-//! Writes a set of files to a folder, with a manifest that says whether all are in place.
+//! Writes a set of files to a folder, with a manifest that says whether all of them are in place.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -15,7 +15,8 @@ use super::text;
 use crate::WriteError;
 use crate::manifest::{FileRecord, Manifest, ManifestError};
 
-/// Files to be written to a folder. [`Output::commit`] puts them in place, with a [`Manifest`]; dropping removes them.
+/// A set of files to be written to a folder. [`Output::commit`] puts them in place, with a [`Manifest`]. If the value is dropped without
+/// it, they are removed.
 ///
 /// ```
 /// use qless_io::{Manifest, write::Output};
@@ -34,7 +35,7 @@ use crate::manifest::{FileRecord, Manifest, ManifestError};
 pub struct Output {
     folder: PathBuf,
     scratch: Scratch,
-    /// Names, temporary files, and what they hold.
+    /// The files by name, each with the path of its temporary file and the record for the manifest.
     files: BTreeMap<String, (PathBuf, FileRecord)>,
     absent: Vec<String>,
     inputs: Inputs,
@@ -65,7 +66,7 @@ impl Output {
         Self { command: command.to_owned(), ..self }
     }
 
-    /// Refuses files, added from now on, that would replace one of `inputs`.
+    /// From now on, refuses files that would replace one of `inputs`.
     #[must_use]
     pub fn protecting(self, inputs: Inputs) -> Self {
         Self { inputs, ..self }
@@ -79,10 +80,11 @@ impl Output {
         self.inputs.check_output(&self.folder.join(name))
     }
 
-    /// Adds a file with the text that `write` produces; `name` is a plain file name.
+    /// Adds a file with the text that `write` produces. `name` must be a plain file name, without folders.
     ///
     /// # Errors
-    /// [`WriteError::IsInput`], or [`WriteError::Io`] with the error of `write` or of the system.
+    /// [`WriteError::IsInput`] if the file is an input, [`WriteError::NotAFile`] if `name` is not plain or is reserved, or
+    /// [`WriteError::Io`] with the error of `write` or of the system.
     pub fn file(&mut self, name: &str, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), WriteError> {
         self.check(name)?;
         let place = self.folder.join(name);
@@ -97,7 +99,8 @@ impl Output {
         Ok(())
     }
 
-    /// Creates and fills a temporary file. It is synchronised, because some systems report a full disk only then.
+    /// Creates a temporary file and writes its text. The file is synchronised with the disk, because some systems report a full disk only
+    /// then.
     fn fill(
         &mut self,
         name: &str,
@@ -110,7 +113,7 @@ impl Output {
         Ok((path, FileRecord::new(name, &out.crc, out.size)))
     }
 
-    /// Adds a matrix as `coordinate real general`.
+    /// Adds a Matrix Market file, `coordinate real general`, with a matrix.
     ///
     /// # Errors
     /// Those of [`Output::file`].
@@ -118,7 +121,7 @@ impl Output {
         self.file(name, |out| text::matrix(out, matrix))
     }
 
-    /// Adds numbers, one a line.
+    /// Adds a file with numbers, one on each line.
     ///
     /// # Errors
     /// Those of [`Output::file`].
@@ -126,7 +129,7 @@ impl Output {
         self.file(name, |out| text::numbers(out, numbers))
     }
 
-    /// Adds 0-based indices, one a line, as 1-based ones.
+    /// Adds a file with indices, one on each line. They count from 0 here and from 1 in the file.
     ///
     /// # Errors
     /// Those of [`Output::file`].
@@ -134,7 +137,7 @@ impl Output {
         self.file(name, |out| text::indices(out, indices))
     }
 
-    /// Lets [`Output::commit`] remove a file of this name, which an earlier run may have written.
+    /// Makes [`Output::commit`] remove the file of this name if it exists. An earlier run may have written it.
     ///
     /// # Errors
     /// [`WriteError::IsInput`].
@@ -144,7 +147,7 @@ impl Output {
         Ok(())
     }
 
-    /// Adds the files of [`write_case`](super::write_case).
+    /// Adds the files that [`write_case`](super::write_case) writes.
     ///
     /// # Errors
     /// Those of [`Output::file`], and [`WriteError::LabelLineBreak`].
@@ -160,7 +163,7 @@ impl Output {
         self.labels("cols.txt", system.dof_labels())
     }
 
-    /// Adds labels, one a line; removes the file if there are none.
+    /// Adds a file of labels, one on each line. If there are no labels, makes [`Output::commit`] remove the file.
     fn labels(&mut self, name: &str, labels: &[String]) -> Result<(), WriteError> {
         if labels.is_empty() {
             return self.absent(name);
@@ -172,11 +175,12 @@ impl Output {
         self.file(name, |out| labels.iter().try_for_each(|label| writeln!(out, "{label}")))
     }
 
-    /// Puts the files in their place, one after another. Before the first, the manifest is marked as incomplete; after the last, as
-    /// complete. Files of an earlier set that are not in this one are removed, unless they have changed since.
+    /// Puts the files in their places, one after another. The manifest says that the set is incomplete before the first file is put in
+    /// place, and that it is complete after the last. Files of an earlier set that are not in this one are removed, unless they have
+    /// changed since.
     ///
     /// # Errors
-    /// [`WriteError`]; the folder is then unchanged, unless it is [`WriteError::Incomplete`].
+    /// [`WriteError`]. The folder is then unchanged, unless the error is [`WriteError::Incomplete`].
     pub fn commit(mut self) -> Result<(), WriteError> {
         let _folder = scratch::lock(&self.folder)?;
         self.check(Manifest::NAME)?;
@@ -189,7 +193,8 @@ impl Output {
             files: self.files.values().map(|(_, record)| record.clone()).collect(),
             replaces: before.files.into_iter().chain(before.replaces).collect(),
         };
-        // Both manifests are prepared before the [`WriteLock`] is taken. A handled signal ends the program only after the lock is released.
+        // Both manifests are prepared before the [`WriteLock`] is taken, to keep the lock for a short time only. A handled signal ends the
+        // program only after the lock is released.
         let incomplete = self.add_manifest(&manifest)?;
         let replaced = std::mem::take(&mut manifest.replaces);
         manifest.complete = true;
@@ -202,7 +207,7 @@ impl Output {
         all.map_err(|error| WriteError::Incomplete { folder: self.folder.clone(), source: Box::new(error) })
     }
 
-    /// Puts a single file in its place, without a manifest.
+    /// Puts the files in their places, without a manifest.
     pub(super) fn commit_one(self) -> Result<(), WriteError> {
         self.check_places()?;
         let _lock = WriteLock::take();
@@ -217,7 +222,7 @@ impl Output {
         Ok(filled.0)
     }
 
-    /// Refuses to replace a folder or a device by a file.
+    /// Refuses to write if a folder or a device is in the place of a file.
     fn check_places(&self) -> Result<(), WriteError> {
         for name in self.files.keys().chain(&self.absent) {
             let path = self.folder.join(name);
@@ -233,7 +238,8 @@ impl Output {
         metadata::keep(&place, file).and_then(|()| fs::rename(file, &place)).map_err(WriteError::io(&place))
     }
 
-    /// Removes the files that shall be absent, and files of earlier sets that are not in this one and have not changed.
+    /// Removes files of earlier sets, if they are not in this set and have not changed. Also removes the files that [`Output::absent`]
+    /// names.
     fn remove(&self, replaced: &[FileRecord]) -> Result<(), WriteError> {
         let is_ours = |record: &&FileRecord| {
             !self.files.contains_key(&record.name)
@@ -261,7 +267,7 @@ impl From<ManifestError> for WriteError {
     }
 }
 
-/// A file with its size and checksum.
+/// A writer that also computes the size and the checksum of what it writes.
 struct Summed<W: Write> {
     out: W,
     crc: Crc,
@@ -281,14 +287,14 @@ impl<W: Write> Write for Summed<W> {
     }
 }
 
-/// Whether a name is that of a file in the folder, and not one of the writer's own.
+/// Whether a name is that of a file directly in the folder, and is not reserved for the writer itself.
 fn is_plain(name: &str) -> bool {
     let mut parts = Path::new(name).components();
     let is_one = matches!((parts.next(), parts.next()), (Some(Component::Normal(part)), None) if part == name);
     is_one && name != Manifest::NAME && !name.starts_with(scratch::PREFIX)
 }
 
-/// The folders above and including `folder` that do not exist, outermost first. A `..` below one of them is an error.
+/// The folders that do not exist among `folder` and those above it, outermost first. It is an error if `..` follows a missing folder.
 fn missing(folder: &Path) -> Result<Vec<PathBuf>, WriteError> {
     let mut missing = Vec::new();
     for part in folder.ancestors() {

@@ -1,8 +1,8 @@
-//! Temporary files beside the places of new ones, and the locks of their writers.
+//! Makes temporary files beside the final places of new files, and locks that show which writers still run.
 //!
-//! A writer marks its folder by a file `.qless-XXXXXX`, which it keeps locked. Its new files are `.qless-XXXXXX-1`, `.qless-XXXXXX-2`, and
-//! so on, until they are renamed. If the program is killed, the lock ends with it, and the next writer removes these files. The writer
-//! takes no other file for a temporary one.
+//! A writer marks its folder by a file `.qless-XXXXXX`, the mark, which it keeps locked. Its new files are `.qless-XXXXXX-1`,
+//! `.qless-XXXXXX-2`, and so on, until they are renamed. If the program is killed, the lock ends with it, and the next writer removes these
+//! files. The writer takes no other file for a temporary one.
 //!
 //! | lock | held | between |
 //! | --- | --- | --- |
@@ -25,11 +25,11 @@ thread_local! {
     static AT_WORK: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Exclusive right of one thread to create files and to put them in place.
+/// The right to create files and to put them in place. Only one thread at a time has it.
 pub(super) struct WriteLock(#[expect(dead_code, reason = "it is held")] MutexGuard<'static, ()>);
 
 impl WriteLock {
-    /// Waits for the lock; forever, if the program is ending.
+    /// Waits until this thread has the lock. If the program is ending, it waits for ever.
     pub fn take() -> Self {
         let guard = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
         AT_WORK.set(true);
@@ -45,7 +45,7 @@ impl Drop for WriteLock {
 
 /// Whether this thread is creating files, putting them in place, or removing them at the end.
 ///
-/// A program whose allocator has a reserve may use the reserve then, since a failed allocation would leave files behind. Does not allocate.
+/// If so, a failed allocation would leave files behind. An allocator that keeps a reserve may use it then. This function does not allocate.
 ///
 /// ```
 /// assert!(!qless_io::write::is_at_work());
@@ -62,10 +62,12 @@ const LETTERS: usize = 6;
 const MARK: &[u8] = b"qless writes files here. The next run removes this file and its numbered neighbours.\n";
 /// Longest wait for the lock of a folder. A writer holds the lock for some renames, each of which takes milliseconds.
 const PATIENCE: Duration = Duration::from_secs(60);
-/// Most attempts to mark a folder. A folder may vanish before it is marked, because the writer that created it failed and removed it.
+/// Largest number of attempts to mark a folder. The folder may vanish before it is marked: the writer that created it may fail and remove
+/// it.
 const TRIES: usize = 100;
 
-/// What [`abandon`] removes: a writer's mark with its files, and folders that it created. Lock order: [`WriteLock`] first.
+/// What [`abandon`] removes: the mark of each writer with its files, and the folders that the writer created. To avoid a deadlock, take
+/// [`WriteLock`] before this lock.
 static TRACES: Mutex<Vec<Traces>> = Mutex::new(Vec::new());
 
 #[derive(Debug)]
@@ -76,8 +78,8 @@ struct Traces {
 
 /// Removes all files that are not yet in place, and blocks every thread that wants to write another one.
 ///
-/// For a program that a signal is about to end; call it from a separate thread. A commit in progress is finished
-/// first. Threads that call functions of [`write`](super) afterwards wait until the program ends.
+/// For a program that a signal is about to end. Call it from a separate thread. If a commit is in progress, this waits until it is
+/// finished. Threads that call functions of [`write`](super) afterwards wait until the program ends.
 ///
 /// ```no_run
 /// // In the thread that waits for signals:
@@ -91,9 +93,9 @@ pub fn abandon() {
     std::mem::forget((lock, traces));
 }
 
-/// [`abandon`], unless this thread [is at work](super::is_at_work) itself: its work cannot be finished.
+/// Calls [`abandon`], unless this thread itself [is at work](super::is_at_work) and thus already holds the lock.
 ///
-/// For a program that ends on the thread that failed.
+/// For a program that ends on the thread in which it failed.
 pub fn abandon_unless_at_work() {
     if !is_at_work() {
         abandon();
@@ -105,7 +107,7 @@ fn known() -> MutexGuard<'static, Vec<Traces>> {
 }
 
 impl Traces {
-    /// Folders are removed if they are empty. Errors are ignored: nothing more can be done.
+    /// Removes the mark with its files, and the created folders that are empty. Errors are ignored, because nothing more can be done.
     fn remove(&self) {
         remove_marked(&self.mark);
         for folder in self.created.iter().rev() {
@@ -114,7 +116,7 @@ impl Traces {
     }
 }
 
-/// Removes the numbered files of a mark, then the mark.
+/// Removes the numbered files that belong to a mark, and then the mark.
 fn remove_marked(mark: &Path) {
     let (Some(folder), Some(name)) = (mark.parent(), mark.file_name().and_then(|name| name.to_str())) else { return };
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
@@ -127,7 +129,7 @@ fn remove_marked(mark: &Path) {
     let _ = fs::remove_file(mark);
 }
 
-/// Waits for the lock of a folder; `None` if the folder cannot be opened or its file system has no locks.
+/// Waits for the lock of a folder. `None` if the folder cannot be opened, or if its file system has no locks.
 pub(super) fn lock(folder: &Path) -> Result<Option<File>, WriteError> {
     let Ok(file) = File::open(folder) else { return Ok(None) };
     let start = Instant::now();
@@ -143,17 +145,17 @@ pub(super) fn lock(folder: &Path) -> Result<Option<File>, WriteError> {
     }
 }
 
-/// A writer's mark in a folder; dropping it removes all that is not in place.
+/// The mark of a writer in a folder. Dropping it removes the files that are not yet in place.
 #[derive(Debug)]
 pub(super) struct Scratch {
     mark: PathBuf,
-    /// Held while the writer lives.
+    /// The lock of the mark. It is held as long as the writer lives.
     _lock: File,
     files: usize,
 }
 
 impl Scratch {
-    /// Marks a folder, of which the parts in `missing` are created first.
+    /// Marks a folder. The folders in `missing` are created first.
     pub fn new(folder: &Path, missing: &[PathBuf]) -> Result<Self, WriteError> {
         let mut tries = 0;
         loop {
@@ -186,7 +188,7 @@ impl Scratch {
         Ok(scratch)
     }
 
-    /// A new temporary file.
+    /// Creates a new temporary file.
     pub fn file(&mut self) -> io::Result<(File, PathBuf)> {
         self.files += 1;
         let mut path = self.mark.clone().into_os_string();
@@ -195,16 +197,17 @@ impl Scratch {
         Ok((File::create_new(&path)?, path.into()))
     }
 
-    /// Keeps the folders that were created.
+    /// Keeps the folders that were created, even if the writer fails from now on.
     pub fn keep_folders(&self) {
         known().iter_mut().filter(|traces| traces.mark == self.mark).for_each(|traces| traces.created.clear());
     }
 }
 
 impl Drop for Scratch {
-    /// The mark stays in the list until it is removed.
+    /// Removes the mark and its files. The mark stays in the list until then.
     fn drop(&mut self) {
-        // The lock marks this thread as at work, which permits the use of a reserve: a failed allocation would leave files behind.
+        // While it has the lock, this thread counts as at work, so it may use a reserve of memory: a failed allocation would leave files
+        // behind.
         let _lock = (!is_at_work()).then(WriteLock::take);
         let mut known = known();
         known.extract_if(.., |traces| traces.mark == self.mark).for_each(|traces| traces.remove());
@@ -216,7 +219,7 @@ fn mark(folder: &Path) -> io::Result<(File, PathBuf)> {
     file.keep().map_err(|error| error.error)
 }
 
-/// Folders created for a writer. Dropping removes those that are empty.
+/// The folders that were created for a writer. Dropping removes those that are empty.
 struct Created(Vec<PathBuf>);
 
 impl Created {
@@ -245,8 +248,8 @@ impl Drop for Created {
     }
 }
 
-/// Removes the mark and the temporary files of each killed writer. The caller holds the folder's lock: without it, a living writer may
-/// have made its mark and not locked it yet, and would be taken for a killed one.
+/// Removes the mark and the temporary files of each writer that was killed. The caller must hold the lock of the folder. Otherwise another
+/// writer might have made its mark and not locked it yet, and would be taken for a killed one.
 fn sweep(folder: &Path) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let name = entry.file_name();
@@ -257,7 +260,7 @@ fn sweep(folder: &Path) {
     }
 }
 
-/// Whether a file is a mark whose writer no longer runs. A writer that was killed at once may have left an incomplete mark.
+/// Whether a file is the mark of a writer that no longer runs. If the writer was killed at once, its mark may be incomplete.
 fn is_abandoned(path: &Path) -> io::Result<bool> {
     if !fs::symlink_metadata(path)?.is_file() {
         return Ok(false);

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use qless::Csr;
 
-/// `coordinate real general`.
+/// Writes a matrix as a Matrix Market file, `coordinate real general`.
 pub(super) fn matrix(out: &mut dyn Write, matrix: &Csr) -> io::Result<()> {
     writeln!(out, "%%MatrixMarket matrix coordinate real general")?;
     writeln!(out, "{} {} {}", matrix.rows(), matrix.cols(), matrix.nnz())?;
@@ -20,7 +20,7 @@ pub(super) fn numbers(out: &mut dyn Write, numbers: &[f64]) -> io::Result<()> {
     numbers.iter().try_for_each(|number| writeln!(out, "{number:?}"))
 }
 
-/// 0-based indices, as 1-based ones.
+/// Writes indices, one on each line. They count from 0 here and from 1 in the file.
 pub(super) fn indices(out: &mut dyn Write, indices: &[usize]) -> io::Result<()> {
     indices.iter().try_for_each(|index| writeln!(out, "{}", *index as u128 + 1))
 }

@@ -27,7 +27,8 @@ pub(super) struct Attempt {
     pub findings: ReturnedResults,
     pub confidence: Confidence,
     pub work: WorkCounts,
-    /// For each fragment: true if the attempt showed that no equation of its component should have been peeled.
+    /// For each fragment (the portion of a component on this rank): true if the attempt showed that no equation of the component should
+    /// have been peeled.
     pub unsound: Vec<bool>,
 }
 
@@ -37,7 +38,7 @@ const BYTES_OF_TERM: u64 = 60;
 const BYTES_OF_EQUATION: u64 = 200;
 
 impl AttemptInput<'_> {
-    /// The input of each stage.
+    /// The equations of this rank, their DOFs, and what is known about these DOFs: the input of every stage.
     fn inputs(&self) -> (&ShareRows, &TouchedDofs, &KnownDofs) {
         (self.rows, self.touched, self.known)
     }
@@ -79,7 +80,7 @@ impl AttemptInput<'_> {
         Ok(Attempt { findings, confidence, work, unsound })
     }
 
-    /// Checks the memory of each component that must be gathered from several ranks.
+    /// Checks that each component whose equations must be gathered from several ranks fits into the memory limit of one rank.
     fn fits(&self, components: &[ConnectedComponent<2>]) -> Result<(), Error> {
         let (limit, own) = (self.options.memory as u64, self.ranks.rank());
         for [equations, terms] in components.iter().filter(|c| c.crosses(own)).map(|c| c.total) {
@@ -91,7 +92,8 @@ impl AttemptInput<'_> {
         Ok(())
     }
 
-    /// For each fragment: true if the core of its component was found unsound. A rank gives one judgement for all cores that it analysed.
+    /// For each fragment (the portion of a component on this rank): true if the core of its component was found unsound. A rank gives one
+    /// judgement for all cores that it analysed.
     fn unsound_cores(&self, cores: Option<&LocalAnalysis>, whole: &ConnectedComponents) -> Vec<bool> {
         let mut post = Outbox::default();
         if let Some(solved) = cores.filter(|solved| solved.soundness() == Soundness::Unsound) {
@@ -159,8 +161,8 @@ impl AttemptInput<'_> {
         post.send(ranks).iter().for_each(|message| findings.reduction.read(&message.words));
     }
 
-    /// The rows of T of all slaves among the other DOFs of peeled equations. The slave of a peeled equation is in no other equation,
-    /// so no equation needs its row.
+    /// Collects the rows of T that peeled equations need: their terms may contain slaves of equations that were not peeled. Slaves of
+    /// peeled equations need no row here, because each occurs in one equation only.
     fn slaves_of(&self, peels: &[Peel], own: &ReductionRows) -> SlaveRows {
         let Self { ranks, layout, rows, touched, known, .. } = *self;
         let mut wanted = vec![false; touched.dofs.len()];
@@ -189,7 +191,7 @@ const DOUBTS: [Doubt; 7] =
 /// A mismatch below this fraction of the largest right-hand side is in doubt; the same threshold as in the serial confidence.
 const SMALL_MISMATCH: f64 = 1e-6;
 
-/// Equations and terms of each fragment.
+/// The number of equations and the number of terms of each fragment (the portion of a component on this rank).
 fn loads(rows: &ShareRows, components: &ConnectedComponents) -> Vec<PredictedWork> {
     let mut loads = vec![[0, 0]; components.fragments()];
     for (i, &fragment) in components.of_row.iter().enumerate().filter(|&(_, &fragment)| fragment != NONE) {

@@ -26,13 +26,13 @@ pub struct Term {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct WorkCounts {
-    /// Equations of this rank that were peeled: solved for a DOF of no other equation.
+    /// Number of equations of this rank that were peeled: solved for a DOF that occurs in no other equation.
     pub peeled: usize,
-    /// Equations of any rank that this rank analysed.
+    /// Number of equations that this rank analysed, whichever rank they come from.
     pub analysed: usize,
-    /// Equations of this rank that other ranks analysed.
+    /// Number of equations of this rank that other ranks analysed.
     pub sent: usize,
-    /// Attempts at the analysis. Another attempt follows if an equation should not have been peeled.
+    /// Number of attempts at the analysis. Another attempt follows if an equation should not have been peeled.
     pub attempts: usize,
 }
 
@@ -58,18 +58,18 @@ pub struct Analysis {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct JobCounts {
-    /// Equations.
+    /// Number of equations.
     pub equations: u64,
-    /// Redundant equations.
+    /// Number of redundant equations.
     pub redundant: u64,
-    /// Conflicting equations.
+    /// Number of conflicting equations.
     pub conflicting: u64,
-    /// DOFs.
+    /// Number of DOFs.
     pub dofs: u64,
 }
 
 impl JobCounts {
-    /// Rank of the free part of C, which is the number of slaves.
+    /// The rank of C, restricted to its free DOFs. It is the number of slaves.
     pub fn rank(&self) -> u64 {
         self.equations - self.redundant - self.conflicting
     }

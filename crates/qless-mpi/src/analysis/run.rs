@@ -14,9 +14,10 @@ use crate::solve::request_rows;
 /// Diagnoses the equations of all ranks and solves them for slaves. Collective: every rank passes its share and the same options, and
 /// receives the results for its equations and DOFs.
 ///
-/// The result is that of [`qless::analyse`] for all equations in the order of their numbers, for any distribution and any number of
-/// ranks. Cost: a rank sends about 40 bytes for each DOF of its equations. In each attempt, it also sends each equation at most once, to
-/// the rank that analyses its component. The number of rounds grows with the logarithm of the number of ranks that a component crosses.
+/// The result is that of [`qless::analyse`] for all equations in the order of their numbers, for any distribution and any number of ranks.
+/// Cost: a rank sends about 40 bytes for each DOF of its equations. In each attempt, it also sends each equation at most once, to the rank
+/// that analyses its component. The number of communication rounds grows with the logarithm of the number of ranks that a component
+/// crosses.
 ///
 /// ```
 /// use qless::{Kind, Options};
@@ -106,7 +107,8 @@ fn check(ranks: &dyn Ranks, layout: &Layout, share: &Share, options: &Options) -
     share.check(rank, dofs).map_err(Error::from)
 }
 
-/// For each fragment, whether its equations may be peeled: the options allow it, and the component crosses ranks and does not mix units.
+/// For each fragment (the portion of a component on this rank), whether its equations may be peeled: the options must allow it, several
+/// ranks must hold equations of the component, and the component must not mix units.
 fn peelable(job: &AttemptInput, whole: &ConnectedComponents) -> Vec<bool> {
     let options = job.options;
     let plain = options.presolve && matches!(options.tolerance, qless::Tolerance::Relative(_));

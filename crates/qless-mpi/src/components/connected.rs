@@ -10,15 +10,15 @@ use crate::share::ShareRows;
 
 /// The components of a rank's equations.
 pub(crate) struct ConnectedComponents {
-    /// The fragment of each row; [`NONE`] for rows that are not included.
+    /// The fragment of each row; [`NONE`] for rows that the search did not include.
     pub of_row: Vec<u32>,
-    /// The fragment of each free DOF of the included rows, by place; [`NONE`] for other DOFs.
+    /// The fragment of each DOF, by its index in [`TouchedDofs`]; [`NONE`] unless the DOF is free and occurs in an included row.
     pub of_dof: Vec<u32>,
-    /// The root of each fragment. Fragments of all ranks with the same root are one component.
+    /// The root of each fragment: the fragment, on any rank, that represents the component. Fragments with the same root are one component.
     root: Vec<u64>,
 }
 
-/// No fragment.
+/// Marks a row or a DOF that belongs to no fragment.
 pub(crate) const NONE: u32 = u32::MAX;
 
 /// A component, on the rank that holds its root.
@@ -27,7 +27,7 @@ pub(crate) struct ConnectedComponent<const K: usize> {
     pub root: usize,
     /// The other fragments of the component, on any rank.
     others: Vec<u64>,
-    /// The combined values of all fragments.
+    /// The values of all fragments of the component, combined, for example added.
     pub total: [u64; K],
 }
 
@@ -53,7 +53,7 @@ impl ConnectedComponents {
             let hub = of_dof[0].1;
             pairs.extend(of_dof[1..].iter().flat_map(|&(_, other)| [(hub, other), (other, hub)]));
         }
-        // Two fragments usually share many DOFs, so most pairs repeat.
+        // Two fragments that share many DOFs give the same pair many times; only one copy is sent.
         pairs.sort_unstable();
         pairs.dedup();
         let mut post = Outbox::default();
@@ -70,8 +70,8 @@ impl ConnectedComponents {
         self.root.len()
     }
 
-    /// Combines the values of all fragments of each component. Returns the components whose roots are on this rank, ascending by root.
-    /// Collective.
+    /// Combines the values `own` of all fragments of each component. Returns the components whose roots are on this rank, ascending by
+    /// root. Collective.
     pub fn total<const K: usize>(
         &self,
         ranks: &dyn Ranks,
@@ -126,7 +126,8 @@ impl<const K: usize> ConnectedComponent<K> {
     }
 }
 
-/// The fragment of each row and of each free DOF on this rank, and the number of fragments.
+/// The fragment of each row and of each free DOF on this rank, and the number of fragments. A fragment is a connected set of equations of
+/// this rank.
 fn fragments(
     rows: &ShareRows,
     touched: &TouchedDofs,

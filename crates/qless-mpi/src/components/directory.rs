@@ -9,10 +9,10 @@ use super::{Layout, TouchedDofs};
 use crate::ranks::{Message, Outbox, Ranks, real};
 use crate::share::ShareError;
 
-/// Flags and prescribed values of the DOFs of a rank's equations, by place.
+/// Flags and prescribed values of the DOFs of a rank's equations, by the index of the DOF in [`TouchedDofs`].
 pub(crate) struct KnownDofs {
     pub flags: Vec<DofFlags>,
-    /// Values of the prescribed DOFs, by place.
+    /// Values of the prescribed DOFs, by the index of the DOF in [`TouchedDofs`].
     pub prescribed: BTreeMap<u32, f64>,
 }
 
@@ -23,7 +23,7 @@ pub(crate) struct DofFlags(u8);
 /// The prescribed values of the DOFs that a rank owns.
 #[derive(Clone, Debug)]
 pub(crate) struct Directory {
-    /// Values of the prescribed DOFs, by DOF.
+    /// Values of the prescribed DOFs, by global DOF number.
     pub prescribed: BTreeMap<u64, f64>,
 }
 
@@ -52,7 +52,7 @@ impl DofFlags {
 }
 
 impl Directory {
-    /// Exchanges flags and prescribed values with the owners of the DOFs. `prescribed` may name any DOFs. Collective.
+    /// Exchanges flags and prescribed values with the owners of the DOFs. `prescribed` may contain DOFs of any owner. Collective.
     pub fn new(
         ranks: &dyn Ranks,
         layout: &Layout,
@@ -73,8 +73,8 @@ impl Directory {
         (values.map(|_| directory), known)
     }
 
-    /// The answers to each rank: for each DOF with flags its position in the rank's message, the flags, and the prescribed value. Also
-    /// merges the flags that other ranks sent into those of this rank.
+    /// The answers to the ranks that asked: for each DOF with flags, its position in the rank's message, the flags, and the prescribed
+    /// value if there is one. Also merges the flags that other ranks sent into those of this rank.
     fn answers(&self, came: &[Message], touched: &TouchedDofs, known: &mut KnownDofs) -> Outbox {
         let mut flags: BTreeMap<u64, u8> = BTreeMap::new();
         for &word in came.iter().flat_map(|message| &message.words) {

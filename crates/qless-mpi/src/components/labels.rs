@@ -15,7 +15,7 @@ use rustc_hash::FxHashMap;
 
 use crate::ranks::{Message, Outbox, Ranks};
 
-/// A vertex: the rank that holds it, and its number there.
+/// Encodes a vertex as one number: the rank that holds it, and its number on that rank.
 pub(crate) fn vertex(rank: usize, number: usize) -> u64 {
     (rank as u64) << 32 | number as u64
 }
@@ -81,7 +81,7 @@ impl LabelsForest<'_> {
         asked.into_iter().zip(answers.into_iter().flat_map(|message| message.words)).collect()
     }
 
-    /// The parent of any vertex; `others` has the parents of vertices of other ranks.
+    /// Looks up the parent of vertex `v`. `others` has the parents of vertices of other ranks.
     fn look(&self, others: &FxHashMap<u64, u64>, v: u64) -> u64 {
         if rank_of(v) == self.ranks.rank() { self.parent[number_of(v)] } else { others[&v] }
     }

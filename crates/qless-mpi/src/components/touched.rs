@@ -6,11 +6,11 @@ use rustc_hash::FxHashMap;
 
 use crate::share::ShareRows;
 
-/// The DOFs, ascending, and the place among them of each term.
+/// The DOFs in ascending order. `places` holds, for each term of the equations, the index of its DOF in `dofs`.
 pub(crate) struct TouchedDofs {
     pub dofs: Vec<u64>,
     pub places: Vec<u32>,
-    /// Magnitudes in each column, by place.
+    /// The coefficients of each DOF; in the order of `dofs`.
     pub columns: Vec<ColumnSizes>,
 }
 
@@ -27,14 +27,15 @@ pub(crate) struct ColumnSizes {
 
 /// A coefficient below this fraction of the largest of its row is small.
 const SMALL: f64 = 1.0 / 512.0;
-/// A coefficient below this fraction of the largest of its row may be rounding.
+/// A coefficient below this fraction of the largest of its row may be a rounding error.
 const FAINT: f64 = 1e-12;
-/// A range of DOFs gets a lookup table if it has at most this many DOFs for each term, so that memory grows with the equations and not
+/// A range of DOFs gets a lookup table only if it has at most this many DOFs for each term. So the memory grows with the equations and not
 /// with the owned range.
 const TABLE: u64 = 16;
 
 impl TouchedDofs {
-    /// Looks up DOFs of `near`, usually most of them, in a table, and the others in a hash map.
+    /// Collects the DOFs of `rows`. A table finds the DOFs in the range `near`, to which most DOFs usually belong; a hash map finds the
+    /// others.
     pub fn by(rows: &ShareRows, near: &Range<u64>) -> Self {
         let is_dense = near.end - near.start <= TABLE * (rows.dofs.len() as u64 + 64);
         let near = if is_dense { near.clone() } else { near.start..near.start };

@@ -6,7 +6,7 @@ use crate::components::{KnownDofs, TouchedDofs};
 use crate::ranks::{Outbox, Ranks, real};
 use crate::share::ShareRows;
 
-/// Equations that a rank analyses, ascending by number.
+/// Equations that a rank analyses, ascending by equation number.
 pub(crate) struct AssignedEquations {
     pub rows: ShareRows,
     /// For each equation, the rank that holds it and its index on that rank.
@@ -34,7 +34,7 @@ pub(crate) fn exchange_equations(
             prescribed.entry(rank).or_default().extend(values);
         }
     }
-    // In a message, prescribed DOFs follow the equations, after a mark that is no equation number.
+    // In a message, prescribed DOFs follow the equations, after a separator that cannot be an equation number.
     for (rank, values) in prescribed {
         let words = post.to(rank);
         words.push(u64::MAX);

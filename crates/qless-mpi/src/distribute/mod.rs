@@ -1,9 +1,9 @@
 //! Distributes the analysis over the ranks: peels equations that a rank solves alone, assigns components to ranks by predicted work, and
 //! sends the equations.
 //!
-//! A rank keeps components that it holds alone: the first one, and others up to a quarter more work than the mean. All other components
-//! are pooled: the excess, and every component that crosses ranks. The pool fills the free capacity, rank by rank. Each rank sends
-//! 24 bytes to each; no rank decides for all.
+//! A rank keeps components that it holds alone: always the first one, and others while its work is at most 1.25 times the mean of all
+//! ranks. All other components are pooled, also each component that has equations on several ranks. The pool fills the free capacity of the
+//! ranks, one rank after the other. Each rank sends 24 bytes to each; no rank decides for all.
 
 mod exchange;
 mod peel;
@@ -13,10 +13,10 @@ use crate::ranks::Ranks;
 pub(crate) use exchange::{AssignedEquations, exchange_equations};
 pub(crate) use peel::{Peel, Sizes, peel, sizes};
 
-/// Equations and terms of a fragment or component.
+/// The number of equations and the number of terms of a fragment or component.
 pub(crate) type PredictedWork = [u64; 2];
 
-/// Predicted work. Time is about proportional to it, since most equations are solved without a factorization.
+/// Predicted work of an analysis. Time is about proportional to it, since most equations are solved without a factorization.
 fn work(load: PredictedWork) -> u64 {
     load[0] + load[1]
 }
@@ -57,7 +57,8 @@ pub(crate) fn balance(
     components.broadcast(ranks, known, &to)
 }
 
-/// The cumulated free capacity of the ranks, and the pooled work of the ranks before this one.
+/// The cumulated free capacity of all ranks, and the pooled work of the ranks before this one. `all` alternates pooled work and free
+/// capacity.
 fn room(all: &[u64], rank: usize) -> (Vec<u64>, u64) {
     let mut starts = vec![0];
     for pair in all.chunks_exact(2) {

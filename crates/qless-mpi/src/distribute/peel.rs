@@ -7,26 +7,27 @@
 use crate::components::{ConnectedComponents, KnownDofs, NONE, TouchedDofs};
 use crate::share::ShareRows;
 
-/// An equation and the position of its slave.
+/// A row that can be peeled, and the position of its slave among the terms of the row.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Peel {
     pub row: u32,
     pub position: u32,
 }
 
-/// Units count as mixed if more than one column in this many has small coefficients in all its rows.
+/// A component is taken to mix units if more than 1 in this many of its shared columns has small coefficients in all its rows.
 const MANY: u64 = 20;
-/// Sizes far from the ends of the range of doubles.
+/// Magnitudes far from the smallest and the largest double.
 const MODEST: std::ops::Range<f64> = 1e-100..1e100;
 
-/// Counts of sizes in a fragment. Their sums over the fragments of a component are conservative: they suggest mixed units too often.
+/// Counts of rows and columns in a fragment. Their sums over the fragments of a component are conservative: they suggest mixed units too
+/// often.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sizes {
-    /// Rows whose largest coefficient or nonzero right-hand side is near the ends of the range of doubles.
+    /// Rows whose largest coefficient or nonzero right-hand side is near the smallest or the largest double.
     pub wild: u64,
-    /// Columns with several rows in the job whose coefficients are small in all rows of this rank.
+    /// Columns that occur in several rows of the job and whose coefficients are small in every row of this rank.
     small: u64,
-    /// Columns with several rows on this rank and none on other ranks.
+    /// Columns that occur in several rows of this rank and in none of other ranks.
     shared: u64,
 }
 
@@ -35,7 +36,7 @@ impl Peel {
         self.row as usize
     }
 
-    /// The index of the slave in the lists of terms.
+    /// The index of the slave's term among the terms of all rows.
     pub fn place(self, rows: &ShareRows) -> usize {
         rows.starts[self.row as usize] + self.position as usize
     }
@@ -46,13 +47,13 @@ impl Sizes {
         [self.wild, self.small, self.shared]
     }
 
-    /// Whether no units mix in a component, from the sums over its fragments.
+    /// Whether a component seems not to mix units. `sum` has its counts [`Sizes`], summed over its fragments.
     pub fn are_even(sum: &[u64; 3]) -> bool {
         sum[0] == 0 && MANY * sum[1] <= sum[2]
     }
 }
 
-/// The counts of each fragment.
+/// The counts of rows and columns, [`Sizes`], of each fragment.
 pub(crate) fn sizes(
     rows: &ShareRows,
     touched: &TouchedDofs,
@@ -75,7 +76,7 @@ pub(crate) fn sizes(
     sizes
 }
 
-/// The allowed rows that can be peeled.
+/// Finds the rows that can be peeled, among those for which `allowed` is true.
 pub(crate) fn peel(
     rows: &ShareRows,
     touched: &TouchedDofs,
@@ -90,7 +91,7 @@ fn slave(rows: &ShareRows, touched: &TouchedDofs, known: &KnownDofs, row: usize)
     let (mut position, mut largest, mut is_alone) = (None, 0.0, false);
     for (k, (&j, value)) in places.iter().zip(rows.values(row)).enumerate() {
         let (flags, size) = (known.flags[j as usize], value.abs());
-        // Whether a coefficient is rounding depends on all equations of its DOF, which this rank does not know.
+        // The row is not peeled: whether this coefficient is rounding depends on all equations of its DOF, which this rank does not know.
         if flags.is_faint() {
             return None;
         }

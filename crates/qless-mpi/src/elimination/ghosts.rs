@@ -8,11 +8,11 @@ use crate::ranks::{Message, Outbox, Ranks, real};
 /// The masters that this rank shares with other ranks.
 #[derive(Debug)]
 pub(super) struct Ghosts {
-    /// The range of the local masters, which ascend, that this rank owns.
+    /// The indices of the masters that this rank owns. They are contiguous among the local masters, which ascend.
     own: Range<usize>,
-    /// For each rank that uses masters of this rank: their places among the local ones.
+    /// For each rank that uses masters of this rank: their indices among the local masters of this rank.
     sent: Vec<(usize, Vec<u32>)>,
-    /// For each other rank that owns local masters: their range among the local ones.
+    /// For each other rank that owns local masters: the range of their indices among the local masters of this rank.
     received: Vec<(usize, Range<usize>)>,
 }
 
@@ -41,12 +41,12 @@ impl Ghosts {
         Self { own, sent, received }
     }
 
-    /// Places of the masters that this rank owns among the local ones.
+    /// The range of indices, among the local masters, of those that this rank owns.
     pub fn own(&self) -> Range<usize> {
         self.own.clone()
     }
 
-    /// Receives the values of the masters of other ranks from their owners. Collective.
+    /// Receives the values of the masters of other ranks from their owners. Calls `work` during the transfer. Collective.
     pub fn gather(&self, ranks: &dyn Ranks, local: &mut [f64], work: &mut dyn FnMut()) {
         let message = |(rank, places): &(usize, Vec<u32>)| Message {
             rank: *rank,

@@ -10,7 +10,7 @@ use crate::ranks::{Message, Outbox, Ranks, real, records};
 use crate::share::Share;
 use crate::solve::PRESCRIBED_BIT;
 
-/// The DOFs that a rank owns or needs, and those in their rows of T and G; ascending.
+/// The local DOFs: those that a rank owns or needs, and those in their rows of T and G; ascending.
 pub(super) struct LocalDofs {
     pub dofs: Vec<u64>,
     /// Values of the prescribed DOFs in `dofs`.
@@ -33,10 +33,10 @@ impl LocalDofs {
         Self { dofs, values }
     }
 
-    /// The elimination on the local DOFs, numbered by their places in the list.
+    /// The elimination on the local DOFs. A local DOF is numbered by its index in the ascending list `dofs`.
     pub fn elimination(&self, analysis: &Analysis) -> Result<Elimination, Failure> {
         let [mut slaves, mut masters, mut prescribed] = [Vec::new(), Vec::new(), Vec::new()];
-        // Place of each DOF in its list: the slaves, masters or prescribed DOFs.
+        // Each DOF is a slave, a master or prescribed; find its index in the list of that kind.
         let mut place = Vec::with_capacity(self.dofs.len());
         for (j, &dof) in self.dofs.iter().enumerate() {
             let list = if self.values.contains_key(&dof) {

@@ -51,7 +51,7 @@ pub struct DistributedElimination {
     /// The masters that this rank owns.
     masters: Vec<u64>,
     ghosts: Ghosts,
-    /// Slaves whose rows use masters of this rank only, and the other slaves; as indices into the slaves of `elimination`.
+    /// Slaves whose rows use masters of this rank only, and the other slaves. Both lists hold indices into the slaves of `elimination`.
     inner: Vec<u32>,
     outer: Vec<u32>,
     /// `G u_p + g` for each slave.
@@ -96,7 +96,7 @@ impl DistributedElimination {
         &self.masters
     }
 
-    /// T, G and g on the local DOFs, numbered by their places in [`DistributedElimination::dofs`]. Use it to condense the matrices of this
+    /// T, G and g on the local DOFs, numbered by their indices in [`DistributedElimination::dofs`]. Use it to condense the matrices of this
     /// rank ([`Elimination::condensed`]). The unknowns are [`Elimination::masters`], and the prescribed DOFs if they are kept.
     pub fn local(&self) -> &Elimination {
         &self.elimination
@@ -105,14 +105,15 @@ impl DistributedElimination {
     /// Gathers u_q of all local masters from the ranks that own them. Calls `work` during the transfer. Collective.
     ///
     /// # Panics
-    /// If a length is not that of [`DistributedElimination::masters`] and of the masters of [`DistributedElimination::local`].
+    /// If `masters` has another length than [`DistributedElimination::masters`], or `local` another length than the masters of
+    /// [`DistributedElimination::local`].
     pub fn gather_into(&self, ranks: &dyn Ranks, masters: &[f64], local: &mut [f64], work: &mut dyn FnMut()) {
         assert_eq!((masters.len(), local.len()), (self.masters.len(), self.elimination.masters().len()), "lengths");
         local[self.ghosts.own()].copy_from_slice(masters);
         self.ghosts.gather(ranks, local, work);
     }
 
-    /// Sums the values of all ranks for their local masters, at the ranks that own the masters. Collective.
+    /// Each rank gives a value for each of its local masters. For each master, its owner receives the sum over all ranks. Collective.
     ///
     /// # Panics
     /// As [`DistributedElimination::gather_into`].
@@ -125,14 +126,15 @@ impl DistributedElimination {
     /// `u = L u_q + u_0` on the local DOFs. Collective.
     ///
     /// # Panics
-    /// If a length is not that of [`DistributedElimination::masters`] and [`DistributedElimination::dofs`].
+    /// If `masters` has another length than [`DistributedElimination::masters`], or `u` another length than
+    /// [`DistributedElimination::dofs`].
     pub fn expand_into(&self, ranks: &dyn Ranks, masters: &[f64], u: &mut [f64]) {
         let values = self.elimination.prescribed_values();
         self.elimination.prescribed().iter().zip(values).for_each(|(&j, &value)| u[j] = value);
         self.spread(ranks, masters, u, |i| self.constants[i]);
     }
 
-    /// `du = L du_q`, for increments: prescribed DOFs do not change. Collective.
+    /// Increments, `du = L du_q`: those of prescribed DOFs are zero. Collective.
     ///
     /// # Panics
     /// As [`DistributedElimination::expand_into`].

@@ -15,10 +15,10 @@ pub(crate) use words::{text, text_of};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A setting out of its range.
+    /// A setting is out of its range.
     #[error(transparent)]
     Option(#[from] OptionError),
-    /// Ranks with different options.
+    /// Two ranks have different options.
     #[error("rank {rank} has another {setting} in its options than rank 0; pass the same options on all ranks")]
     Options {
         /// The first rank that differs from rank 0.
@@ -29,27 +29,27 @@ pub enum Error {
     /// The share of a rank is not valid.
     #[error(transparent)]
     Share(#[from] ShareError),
-    /// A component too large for the memory that one rank may use.
+    /// A component is too large for the memory that one rank may use.
     #[error(
         "a connected component has {equations} equations with {terms} terms; a rank needs about {bytes} bytes for it, and the limit is \
          {limit} (Options::memory): allow more, or analyse it on a larger machine"
     )]
     TooLarge {
-        /// Equations of the component.
+        /// Number of equations of the component.
         equations: u64,
-        /// Terms of these equations.
+        /// Number of terms of these equations.
         terms: u64,
-        /// Bytes that the analysis of the component needs.
+        /// Number of bytes that the analysis of the component needs.
         bytes: u64,
-        /// Bytes that a rank may use.
+        /// Number of bytes that a rank may use.
         limit: u64,
     },
     /// The serial analysis of the equations assigned to a rank failed.
     #[error("rank {rank}: {message}")]
     Failed {
-        /// The rank.
+        /// The rank on which it failed.
         rank: usize,
-        /// The error's text.
+        /// The text of the error.
         message: String,
     },
     /// Equations contradict others, so no u satisfies them.
@@ -63,13 +63,13 @@ pub enum Error {
 }
 
 impl Error {
-    /// An error of the caller on this rank, for [`agree`].
+    /// Wraps an error of the caller on this rank, so that [`agree`] can send it to all ranks.
     pub fn of(ranks: &dyn Ranks, error: &dyn std::fmt::Display) -> Self {
         Failure::of(error).on(ranks.rank())
     }
 }
 
-/// An error on one rank that the other ranks do not know yet.
+/// An error on one rank that the other ranks have not received yet.
 #[derive(Debug)]
 pub(crate) struct Failure(String);
 
@@ -85,10 +85,10 @@ impl Failure {
 
 /// An error that can be sent to other ranks.
 pub trait ErrorWords: Sized {
-    /// The error as at least one word.
+    /// Encodes the error as 64-bit words, at least one.
     fn to_words(&self) -> Vec<u64>;
 
-    /// The error that a rank has sent.
+    /// Decodes the words of an error that a rank has sent.
     fn from_words(words: &[u64]) -> Self;
 }
 
@@ -104,7 +104,7 @@ pub trait ErrorWords: Sized {
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CodedError {
-    /// The code.
+    /// The code, which the calling program chooses.
     pub code: u64,
     /// The message.
     pub text: String,
@@ -122,7 +122,7 @@ impl ErrorWords for CodedError {
 
 /// The result of this rank if no rank has an error, else the error of the first rank with one. Collective.
 ///
-/// Without it, the other ranks wait for ever for a rank that returns with an error.
+/// Without this call, the other ranks wait for ever for a rank that returns with an error.
 ///
 /// ```
 /// use qless_mpi::{Error, agree, on_threads};

@@ -60,7 +60,7 @@ pub(crate) fn agree_on_options(ranks: &dyn Ranks, options: &Options) -> Result<(
     Err(Error::Options { rank, setting: OptionName::ALL[setting] })
 }
 
-/// A word for each setting, in the order of [`OptionName::ALL`].
+/// A hash of each setting, in the order of [`OptionName::ALL`].
 fn words(options: &Options) -> [u64; OptionName::ALL.len()] {
     let noise = match &options.noise {
         Noise::Floors { .. } => word(&"floors"),

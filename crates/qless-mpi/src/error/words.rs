@@ -5,7 +5,7 @@ use qless::OptionError;
 use super::{Error, ErrorWords, OptionName};
 use crate::share::{ShareError, SharePlace};
 
-/// Text as words: its length in bytes, then eight bytes a word.
+/// Encodes a text as words: its length in bytes, then its bytes, eight in each word.
 pub(crate) fn text(message: &str) -> Vec<u64> {
     let bytes = message.as_bytes().chunks(8).map(|chunk| {
         let mut word = [0; 8];

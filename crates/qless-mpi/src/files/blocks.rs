@@ -8,7 +8,7 @@ use super::CaseError;
 use crate::error::agree;
 use crate::ranks::Ranks;
 
-/// `count` numbers in contiguous blocks of nearly equal size, one for each rank.
+/// The numbers from 0 to `count` - 1 in contiguous blocks of nearly equal size, one block for each of the `size` ranks.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NumberBlocks {
     count: u64,
@@ -35,7 +35,7 @@ impl NumberBlocks {
     }
 }
 
-/// The lines of this rank, and the numbers of lines before them and in the whole file.
+/// The lines of a file that this rank parses. `before` counts the lines that precede them, and `total` all lines of the file.
 pub(super) struct FilePiece {
     pub lines: FileChunk,
     pub before: LineCount,
@@ -43,7 +43,8 @@ pub(super) struct FilePiece {
 }
 
 impl FilePiece {
-    /// Distributes the lines after `start`; `head` counts those before. An error if the ranks differ in `facts` about the file. Collective.
+    /// Distributes the lines from byte `start` over the ranks; `head` counts the lines before it. Returns an error if the file or the
+    /// `facts` about it differ between ranks. Collective.
     pub fn read(
         ranks: &dyn Ranks,
         file: &ChunkedFile,

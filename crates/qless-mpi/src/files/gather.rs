@@ -29,13 +29,13 @@ pub struct GatheredFindings {
 pub struct Equation {
     /// The number of the equation.
     pub number: u64,
-    /// Redundant or conflicting.
+    /// Whether the equation is redundant or conflicting.
     pub kind: Kind,
-    /// As in [`DistributedDependent`](crate::DistributedDependent).
+    /// The same value as `mismatch` in [`DistributedDependent`](crate::DistributedDependent).
     pub mismatch: f64,
-    /// As in [`DistributedDependent`](crate::DistributedDependent).
+    /// The same value as `relative_mismatch` in [`DistributedDependent`](crate::DistributedDependent).
     pub relative_mismatch: f64,
-    /// As in [`DistributedDependent`](crate::DistributedDependent).
+    /// The same value as `dropped` in [`DistributedDependent`](crate::DistributedDependent).
     pub dropped: f64,
     /// Number of terms of the certificate.
     pub terms: usize,
@@ -58,8 +58,8 @@ pub struct Facts {
 }
 
 impl Case {
-    /// Gathers the findings on the first rank, with certificates of at most `terms` terms in total, first those of conflicts. The result is
-    /// empty on the other ranks. Collective.
+    /// Gathers the findings on the first rank, and the certificates as long as they have at most `terms` terms in total; conflicting
+    /// equations come first. The result is empty on the other ranks. Collective.
     pub fn gather(&self, ranks: &dyn Ranks, analysis: &Analysis, terms: usize) -> GatheredFindings {
         let mut found = GatheredFindings {
             dependent: self.heads(ranks, analysis),
@@ -80,7 +80,7 @@ impl Case {
         found
     }
 
-    /// All dependent equations, without certificates.
+    /// The redundant and conflicting equations of all ranks, without certificates.
     fn heads(&self, ranks: &dyn Ranks, analysis: &Analysis) -> Vec<Equation> {
         let words = analysis.dependent().iter().flat_map(|d| {
             let reals = [d.mismatch, d.relative_mismatch, d.dropped].map(f64::to_bits);
@@ -100,7 +100,7 @@ impl Case {
         gather(ranks, words).map(head).collect()
     }
 
-    /// Gathers certificates up to the limit of their terms.
+    /// Gathers certificates of at most `terms` terms in total.
     fn certificates(&self, ranks: &dyn Ranks, analysis: &Analysis, dependent: &mut [Equation], terms: usize) {
         let mut post = Outbox::default();
         let mut remaining = terms;
@@ -133,7 +133,7 @@ impl Case {
         }
     }
 
-    /// Gathers facts about the equations in `named` on the first rank, which alone names any. Collective.
+    /// Gathers facts about the equations in `named` on the first rank. `named` is empty on all other ranks. Collective.
     fn facts(&self, ranks: &dyn Ranks, named: &BTreeSet<u64>) -> BTreeMap<u64, Facts> {
         let mut post = Outbox::default();
         named.iter().for_each(|&number| post.to(self.rows.holder(number)).push(number));
@@ -177,7 +177,7 @@ impl Case {
     }
 }
 
-/// The records of all ranks, rank by rank, on the first rank.
+/// Gathers `words` from all ranks on the first rank, in the order of the ranks, and splits them into records of N words.
 fn gather<const N: usize>(ranks: &dyn Ranks, words: impl Iterator<Item = u64>) -> impl Iterator<Item = [u64; N]> {
     let words: Vec<u64> = words.collect();
     let messages = if words.is_empty() { Vec::new() } else { vec![Message { rank: 0, words }] };

@@ -33,8 +33,8 @@ pub struct Case {
 
 /// Reads the same case as [`qless_io::read_case`], distributed over the ranks. Collective.
 ///
-/// A rank holds its block of each file, and later its block of rows. Labels are only counted. Equations are numbered by row and DOFs by
-/// column, from 0.
+/// A rank reads one block of each file, and then keeps one block of rows. Labels are only counted. Equations are numbered by row and DOFs
+/// by column, from 0.
 ///
 /// ```
 /// use qless_mpi::{read_case, on_threads};
@@ -94,7 +94,7 @@ fn read_matrix(ranks: &dyn Ranks, path: &Path) -> Result<(ChunkedMatrix, Vec<row
     Ok((matrix, entries))
 }
 
-/// The right-hand sides of this rank's rows.
+/// Reads the right-hand sides of this rank's rows.
 fn read_rhs(ranks: &dyn Ranks, path: &Path, rows: NumberBlocks, count: usize) -> Result<Vec<f64>, CaseError> {
     let opened = ChunkedFile::open(path).and_then(|file| Ok((ChunkedRhs::open(&file, count)?, file)));
     let (rhs, file) = agree(ranks, opened.map_err(CaseError::from))?;
@@ -109,7 +109,7 @@ fn read_rhs(ranks: &dyn Ranks, path: &Path, rows: NumberBlocks, count: usize) ->
     Ok(post.send_records(ranks).map(|(_, [bits])| real(bits)).collect())
 }
 
-/// The prescribed DOFs of this rank's columns.
+/// Reads the prescribed DOFs among this rank's columns.
 fn read_prescribed(
     ranks: &dyn Ranks,
     path: &Path,

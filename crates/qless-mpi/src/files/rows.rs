@@ -9,13 +9,14 @@ use super::blocks::NumberBlocks;
 use crate::ranks::{Outbox, Ranks, real};
 use crate::share::Share;
 
-/// An entry from the reader: row, column, value.
+/// An entry of the file: row, column, value.
 pub(super) type FileEntry = (usize, usize, f64);
 
-/// An entry: row, DOF, value.
+/// An entry of the matrix: row, DOF, value.
 type MatrixTriplet = (u64, u64, f64);
 
-/// The entries of this rank's rows, by row and in the order of the file. Collective.
+/// Sends each entry to the rank that holds its row. Returns the entries of this rank's rows, sorted by row; within a row, in the order of
+/// the file. Collective.
 pub(super) fn distribute(ranks: &dyn Ranks, rows: NumberBlocks, entries: Vec<FileEntry>) -> Vec<MatrixTriplet> {
     let mut post = Outbox::default();
     for (row, dof, value) in entries {
@@ -28,7 +29,7 @@ pub(super) fn distribute(ranks: &dyn Ranks, rows: NumberBlocks, entries: Vec<Fil
     entries
 }
 
-/// Adds these rows to the share.
+/// Adds the equations of `rows` to the share.
 pub(super) fn fill(share: &mut Share, rows: Range<u64>, entries: &[MatrixTriplet], rhs: &[f64]) {
     let mut rest = entries;
     for (row, &b) in rows.zip(rhs) {

@@ -4,20 +4,20 @@ use std::cell::Cell;
 
 use super::{Message, Ranks};
 
-/// Messages and bytes of one rank, and its number of collective operations.
+/// Messages and bytes that one rank sent and received, and the number of its collective operations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sent {
     /// Number of messages to other ranks.
     pub messages: u64,
     /// Number of bytes in these messages.
     pub bytes: u64,
-    /// Number of bytes from other ranks.
+    /// Number of bytes received from other ranks.
     pub received: u64,
     /// Number of collective operations.
     pub rounds: u64,
 }
 
-/// Ranks that count what they send.
+/// Wraps the ranks of a job and counts what this rank sends and receives.
 #[derive(Debug)]
 pub struct Counted<'a, R: Ranks + ?Sized> {
     ranks: &'a R,

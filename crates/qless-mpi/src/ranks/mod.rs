@@ -47,7 +47,7 @@ pub trait Ranks {
     /// Replaces each number by its maximum over all ranks.
     fn max(&self, numbers: &mut [u64]);
 
-    /// The numbers of all ranks, rank by rank; all ranks give the same count.
+    /// Collects the numbers of all ranks, in the order of the ranks. Each rank must give the same count of numbers.
     fn gather(&self, numbers: &[u64]) -> Vec<u64>;
 }
 
@@ -100,13 +100,13 @@ impl Outbox {
         ranks.exchange(self.messages())
     }
 
-    /// Sends the collected words and returns the received records of N words, each with its sender.
+    /// Sends the collected words. Splits the received messages into records of N words and returns each with its sender.
     pub fn send_records<const N: usize>(self, ranks: &dyn Ranks) -> impl Iterator<Item = (usize, [u64; N])> {
         records(self.send(ranks))
     }
 }
 
-/// The records of N words in messages, each with its sender.
+/// Splits messages into records of N words, each with its sender.
 pub(crate) fn records<const N: usize>(messages: Vec<Message>) -> impl Iterator<Item = (usize, [u64; N])> {
     messages.into_iter().flat_map(|Message { rank, words }| {
         (0..words.len() / N).map(move |k| (rank, std::array::from_fn(|word| words[k * N + word])))

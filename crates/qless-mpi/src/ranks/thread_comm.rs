@@ -4,7 +4,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 
 use super::{Message, Ranks};
 
-/// One rank with a channel to and from each rank, so that messages of different senders do not mix.
+/// One rank. It has a channel to and from each rank, so that messages of different senders do not mix.
 struct ThreadRank {
     rank: usize,
     to: Vec<Sender<Vec<u64>>>,
@@ -57,7 +57,7 @@ impl ThreadRank {
     }
 
     /// # Panics
-    /// If that rank has ended.
+    /// If the sending rank has ended.
     fn receive(&self, rank: usize) -> Vec<u64> {
         self.from[rank].recv().unwrap_or_else(|_| panic!("rank {rank} has ended before the others"))
     }

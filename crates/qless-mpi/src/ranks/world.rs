@@ -42,7 +42,7 @@ pub struct World {
     rank: usize,
     size: usize,
     piece: usize,
-    /// Rounds of `exchange` so far.
+    /// Number of calls of `exchange` so far.
     rounds: Cell<u64>,
     /// Makes the type `!Send`, because MPI takes calls from one thread only. Handles of some MPI libraries are numbers, which are `Send`.
     one_thread: PhantomData<*const ()>,

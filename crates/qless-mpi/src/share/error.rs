@@ -20,7 +20,7 @@ pub enum SharePlace {
         /// The DOF.
         dof: u64,
     },
-    /// A DOF that is needed.
+    /// A DOF that the rank asks for by [`need`](crate::Share::need).
     Needed {
         /// The DOF.
         dof: u64,
@@ -42,7 +42,7 @@ impl std::fmt::Display for SharePlace {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShareError {
-    /// A number that is NaN or infinite.
+    /// A number is NaN or infinite.
     #[error("rank {rank}: {what} is {value}; every number must be finite")]
     NotFinite {
         /// The rank with the number.
@@ -52,7 +52,7 @@ pub enum ShareError {
         /// The value found.
         value: f64,
     },
-    /// A DOF that no rank owns.
+    /// A rank names a DOF that no rank owns.
     #[error("rank {rank}: {what} names a DOF that does not exist: the ranks own DOFs 0 to {dofs} (excluded)")]
     DofOutOfRange {
         /// The rank that names this DOF.
@@ -62,29 +62,29 @@ pub enum ShareError {
         /// The number of DOFs.
         dofs: u64,
     },
-    /// Ranges of owned DOFs that do not follow one another.
+    /// The ranges of DOFs that the ranks own do not follow one another.
     #[error(
         "rank {rank} owns DOFs from {start}, but the ranks before it own those up to {expected} (excluded); the ranges must follow one another from 0"
     )]
     Ranges {
-        /// The first rank whose range does not start where the range before it ends, or ends before it starts.
+        /// The first rank whose range does not start at the end of the preceding range, or whose range ends before its start.
         rank: usize,
         /// The start of the range of this rank.
         start: u64,
         /// The end of the range of the rank before.
         expected: u64,
     },
-    /// A DOF with two different prescribed values.
+    /// A DOF is prescribed with two different values.
     #[error("DOF {dof} is prescribed twice, as {first} and as {second}; remove one")]
     PrescribedTwice {
         /// The DOF.
         dof: u64,
-        /// The value of the rank that comes first.
+        /// The value on the rank that comes first.
         first: f64,
         /// The other value.
         second: f64,
     },
-    /// Two equations with the same number.
+    /// Two equations have the same number.
     #[error("rank {rank}: the number {number} is used twice; each equation needs a number of its own")]
     NumberTwice {
         /// The rank with the second equation.
@@ -92,7 +92,7 @@ pub enum ShareError {
         /// The number.
         number: u64,
     },
-    /// A number of an equation or of a DOF that is too large.
+    /// The number of an equation or of a DOF is too large.
     #[error("rank {rank}: the number {number} is too large: numbers of equations and DOFs must be below 2^62")]
     NumberTooLarge {
         /// The rank with the number.

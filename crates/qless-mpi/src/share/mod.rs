@@ -35,7 +35,7 @@ pub struct Share {
 }
 
 impl Share {
-    /// No equations yet.
+    /// Creates a share without equations, for a rank that owns these DOFs.
     pub fn new(owned: Range<u64>) -> Self {
         Self { owned, rows: ShareRows::new(), prescribed: Vec::new(), needed: Vec::new(), terms: Vec::new() }
     }

@@ -1,4 +1,4 @@
-//! Equations in one form: terms ascending by DOF, each DOF once, no zeros; and the check that each has a number of its own.
+//! Equations with terms ascending by DOF, each DOF once, no zeros; and the check that no two equations have the same number.
 
 use super::ShareError;
 use crate::ranks::{Message, Outbox, Ranks};
@@ -58,9 +58,11 @@ pub(crate) fn sum_repeats(terms: &mut Vec<(u64, f64)>) {
     *terms = terms.chunk_by(|a, b| a.0 == b.0).filter_map(summed).collect();
 }
 
-/// Checks that no two equations have the same number; the error is the fault that this rank sees. Collective.
+/// Checks that no two equations have the same number; the ranks may return different results, each for the numbers that it checks.
+/// Collective.
 ///
-/// Each number, 8 bytes, is sent to the rank that keeps this range of numbers. A rank whose numbers ascend sends none to itself.
+/// Each number, 8 bytes, is sent to the rank that checks this range of numbers. If a rank's own numbers ascend, it searches them in place
+/// and sends none to itself.
 pub(crate) fn check_numbers(ranks: &dyn Ranks, rows: &ShareRows) -> Result<(), ShareError> {
     let mut end = [rows.numbers.iter().max().map_or(0, |most| most + 1)];
     ranks.max(&mut end);

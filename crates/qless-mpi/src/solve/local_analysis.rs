@@ -12,7 +12,7 @@ use crate::error::Failure;
 /// The serial analysis of the equations that this rank was assigned.
 pub(crate) struct LocalAnalysis {
     pub assigned: AssignedEquations,
-    /// For each DOF of the analysis, its number in the job.
+    /// For each DOF of the local analysis, its number in the job.
     pub dofs: Vec<u64>,
     pub analysis: Analysis,
     pub reduction: Reduction,
@@ -32,13 +32,14 @@ pub(super) const LOSS: f64 = 1e-13;
 const NEAR: f64 = 1e-3;
 
 impl LocalAnalysis {
-    /// Analyses the assigned equations; `None` if there are none. DOFs in `near`, usually most of them, are looked up faster.
+    /// Analyses the assigned equations; `None` if there are none. DOFs in the range `near`, to which most DOFs usually belong, are looked
+    /// up faster.
     pub fn new(assigned: AssignedEquations, near: Range<u64>, options: &Options) -> Result<Option<Self>, Failure> {
         if assigned.rows.len() == 0 {
             return Ok(None);
         }
         let touched = TouchedDofs::by(&assigned.rows, &near);
-        // A system has at least one DOF; equations without terms have none.
+        // The builder needs at least one DOF, even if no equation has a term.
         let mut builder = SystemBuilder::new(touched.dofs.len().max(1));
         for (i, &rhs) in assigned.rows.rhs.iter().enumerate() {
             let places = touched.row(&assigned.rows, i).iter().map(|&j| j as usize);

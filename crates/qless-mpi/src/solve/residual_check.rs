@@ -1,4 +1,4 @@
-//! Checks the rows of T, G and g that a rank derived from one equation alone: put into that equation they must leave no residual.
+//! Checks the rows of T, G and g that a rank derived from one equation alone: inserted into that equation, they must leave no residual.
 //!
 //! The check uses random u_q and u_p, and considers the terms of T, of G and of g separately.
 
@@ -9,10 +9,12 @@ use crate::components::TouchedDofs;
 use crate::distribute::Peel;
 use crate::share::ShareRows;
 
-/// For random u_q, for random u_p, and for the constant: the sum, and the sum of the absolute values of its terms.
+/// Three sums of terms: those of T for random u_q, those of G for random u_p, and the constants. Each comes with the sum of the absolute
+/// values of its terms.
 type ResidualSums = [(f64, f64); 3];
 
-/// The largest residual of the equation, relative to the absolute sum of its terms; infinite if it is not a number.
+/// The largest residual of the peeled equation with the row `made`, relative to the sum of the absolute values of its terms; infinite if it
+/// is not a number.
 pub(crate) fn residual(
     peel: Peel,
     rows: &ShareRows,

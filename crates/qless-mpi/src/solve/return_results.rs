@@ -11,9 +11,9 @@ use crate::ranks::{Message, Outbox, Ranks, real};
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct DistributedDependent {
-    /// The place of the dependent equation among the equations of the share.
+    /// The index of the dependent equation among the equations of the share.
     pub equation: usize,
-    /// Redundant or conflicting.
+    /// Whether the equation is redundant or conflicting.
     pub kind: Kind,
     /// `b_k - sum c_i b_i` in the units of the equation, prescribed DOFs moved into b.
     pub mismatch: f64,
@@ -74,7 +74,8 @@ pub(crate) fn return_results(ranks: &dyn Ranks, layout: &Layout, solved: &[Local
     ReturnedResults { dependent, reduction, generated, unmet }
 }
 
-/// The rows of the slaves among `dofs`, which ascend. `rows` are those of the slaves that this rank owns. Collective.
+/// The rows of T, G and g of those DOFs in `dofs` (ascending) that are slaves. `rows` are the rows of the slaves that this rank owns.
+/// Collective.
 pub(crate) fn request_rows(ranks: &dyn Ranks, layout: &Layout, rows: &ReductionRows, dofs: &[u64]) -> ReductionRows {
     let own = layout.owned(ranks.rank());
     let mut post = Outbox::default();

@@ -5,7 +5,7 @@ use crate::components::NONE;
 /// Marks a prescribed DOF in the terms of a row.
 pub(crate) const PRESCRIBED_BIT: u64 = 1 << 63;
 
-/// One row.
+/// One row of `u_s = T u_q + G u_p + g`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ReductionRow<'a> {
     pub slave: u64,
@@ -23,7 +23,7 @@ pub(crate) struct ReductionRows {
     values: Vec<f64>,
 }
 
-/// A row and where its terms are.
+/// The slave and the constant of a row, and the range of its terms.
 #[derive(Clone, Copy, Debug)]
 struct RowHead {
     slave: u64,
@@ -115,12 +115,12 @@ impl ReductionRow<'_> {
     }
 }
 
-/// Rows of T of the slaves among the DOFs of a rank's equations.
+/// The rows of T for the slaves among the DOFs of a rank's equations.
 pub(crate) struct SlaveRows {
     pub reduction: ReductionRows,
     /// For each DOF of the equations, the index of its row in `reduction`.
     pub of_place: Vec<u32>,
-    /// Whether a DOF is prescribed, by place.
+    /// Whether a DOF is prescribed, for each DOF of the equations.
     pub is_prescribed: Vec<bool>,
 }
 

@@ -9,18 +9,19 @@ use crate::components::{KnownDofs, NONE, TouchedDofs};
 use crate::distribute::Peel;
 use crate::share::ShareRows;
 
-/// An entry below this fraction of its largest term is rounding, as in the serial reduction.
+/// An entry of T is a sum of terms. If it is below this fraction of its largest term, it is rounding, as in the serial reduction.
 const NOISE: f64 = 1e-14;
-/// The largest entry of a sound row is at least this. If all are smaller, only the whole component shows whether the slave is fixed.
+/// The largest entry of a sound row of T is at least this. If all are smaller, only an analysis of the whole component shows whether the
+/// slave is fixed.
 const HARDLY: f64 = 1e-6;
 /// Largest 2-norm of a sound row of T. The serial analysis rejects rows whose slave exceeds 1e3 for random masters up to 1; this is ten
 /// times less.
 const STEEP: f64 = 100.0;
-/// Largest 2-norm of the coefficients of slaves in a sound row. Rows of `C_S^-1` of these slaves are at most 1e3, so they move the peeled
-/// slave by up to about 5e3. The serial analysis rejects slaves that move more than 3e4 for random right-hand sides.
+/// Largest 2-norm of the coefficients of slaves in a sound row. Rows of `C_S^-1` of these slaves are at most 1e3, so they can move the
+/// slave of the peeled equation by up to about 5e3. The serial analysis rejects slaves that move more than 3e4 for random right-hand sides.
 const HEAVY: f64 = 5.0;
 
-/// Appends the row of a peeled equation.
+/// Solves a peeled equation for its slave, and appends the row of T, G and g to `into`. Returns whether the row is sound.
 pub(crate) fn substitute(
     into: &mut ReductionRows,
     peel: Peel,
@@ -57,7 +58,7 @@ fn norm(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |sum, value| sum + value * value).sqrt()
 }
 
-/// Replaces slaves by their rows. Adds in the order of the equation's terms, so that sums round as in the serial reduction.
+/// Replaces slaves by their rows of T, G and g. Adds in the order of the equation's terms, so that sums round as in the serial reduction.
 fn replaced(
     mut constant: f64,
     terms: impl Iterator<Item = (u32, u64, f64)>,

@@ -1,4 +1,4 @@
-//! Builds the model: equations by their number, then coupled sets by theirs, then the load cases.
+//! Builds the model: first the equations by their number, then the coupled sets by their number, then the load cases.
 
 use std::collections::HashMap;
 
@@ -21,7 +21,7 @@ pub fn read(sources: &mut Sources, others: &[Dof]) -> Result<Model, DeckError> {
     Ok(reader.model)
 }
 
-/// Global positions; empty if the deck cannot be read again.
+/// The global position of each node; empty if the deck cannot be read again.
 pub fn positions(deck: &Deck) -> HashMap<u32, [f64; 3]> {
     let reader = deck.again(|sources| AnsysReader::with_positions(sources.path(0), &sources.text(0)));
     reader.ok().and_then(|reader| reader.nodes.positions.kept).unwrap_or_default()
@@ -54,7 +54,7 @@ fn check_complete(reader: &AnsysReader) -> Result<(), DeckError> {
     Err(DeckError { path: reader.model.files[0].clone(), line: line as usize, card, field: None, problem })
 }
 
-/// Owners of the equations, and the equations that do not hold in all load steps.
+/// The owner of each equation, and the equations that do not hold in all load steps.
 type PushedEquations = (Vec<CommandOwner>, Vec<EquationLife>);
 
 /// Adds equations by number, coupled sets by number, then versions of both that held in earlier load steps only.
@@ -85,7 +85,7 @@ fn push_equations(reader: &mut AnsysReader) -> PushedEquations {
 
 struct EquationPusher<'a> {
     model: &'a mut Model,
-    /// The card of each region; `None` before its first equation.
+    /// The card of each region, that is of each `CERIG` or `RBE3`; `None` until its first equation is added.
     regions: Vec<Option<u32>>,
     keeps_owners: bool,
     pushed: PushedEquations,
@@ -124,7 +124,7 @@ impl EquationPusher<'_> {
         }
     }
 
-    /// Notes the owner of the last equation, and the load steps in which it holds.
+    /// Records the owner of the last equation, and the load steps in which it holds.
     fn note_origin(&mut self, owner: CommandOwner, first: u32, last: u32) {
         if self.keeps_owners {
             self.pushed.0.push(owner);
@@ -172,7 +172,7 @@ fn check_nodes(reader: &AnsysReader) -> Result<(), DeckError> {
     Ok(())
 }
 
-/// Warns that components are along the axes of their node, if these may differ from the global axes.
+/// Warns if the model constrains a node whose axes are rotated: its components are along these axes.
 fn warn_of_rotated(reader: &mut AnsysReader) {
     let mut rotated = std::mem::take(&mut reader.nodes.rotated);
     if rotated.is_empty() {

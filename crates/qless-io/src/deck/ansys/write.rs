@@ -15,10 +15,10 @@ use crate::deck::clean::{CleanError, Edits, Plan, Reason, Removed, Written};
 use crate::deck::plan::reason;
 use crate::deck::{Deck, Dof, Model};
 
-/// The main file with the changes of the plan.
+/// Returns the text of the deck's file with the changes of the plan.
 ///
-/// A comment replaces the commands of a removed equation. If that would change the meaning of other commands, or if a
-/// loop makes the equation, its commands stay and the new text deletes the equation further below.
+/// A comment replaces the commands of a removed equation. If that would change the meaning of other commands, or if a loop makes the
+/// equation, its commands stay, and a command further below deletes the equation.
 pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
     let text = deck.texts[0].as_slice();
     let mut reader = AnsysReader::with_places(&deck.model.files[0], text)?;
@@ -57,10 +57,10 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
     })
 }
 
-/// The comment for each removed equation or set.
+/// One comment for each removed equation, coupled set or region.
 fn comments(model: &Model, plan: &Plan, owners: &[CommandOwner]) -> FxHashMap<CommandOwner, String> {
     let mut chosen: FxHashMap<CommandOwner, &Removed> = FxHashMap::default();
-    // A fault of the equation itself is the best explanation, then a connection to a faulty one.
+    // Several reasons may remove equations of one owner. Its own fault is the best explanation, then a connection to a faulty equation.
     let weight = |reason: &Reason| match reason {
         Reason::Redundant(_) => 0,
         Reason::Connected => 1,
@@ -75,8 +75,8 @@ fn comments(model: &Model, plan: &Plan, owners: &[CommandOwner]) -> FxHashMap<Co
     chosen.into_iter().map(|(owner, removed)| (owner, comment(model, removed))).collect()
 }
 
-/// The text with comments in place of removed commands. After line `last` follow commands that delete the other removed
-/// equations, and the new equations.
+/// Returns the text with comments in place of removed commands. Below line `last` it adds commands that delete the other removed equations,
+/// and then the new equations.
 fn edited(
     text: &[u8],
     places: &[CommandPlace],
@@ -113,7 +113,7 @@ fn edited(
     edits.apply(text)
 }
 
-/// The line without its removed commands; empty if no command is left.
+/// The line without its removed commands. It is empty if no command remains.
 fn rest(text: &[u8], line: u32, removed: &[Range<usize>]) -> Vec<u8> {
     let Some(first) = removed.first() else { return Vec::new() };
     let start = memchr::memrchr(b'\n', &text[..first.start]).map_or(0, |end| end + 1);
@@ -129,7 +129,7 @@ fn rest(text: &[u8], line: u32, removed: &[Range<usize>]) -> Vec<u8> {
     [&kept.join(&b" $ "[..]), &b" "[..], comment].concat().trim_ascii_end().iter().copied().chain([b'\n']).collect()
 }
 
-/// Whether the new text, read again, has exactly the kept and the new equations, and the same values and loads.
+/// Whether the new text, read again, gives exactly the kept and the new equations, and the same values and loads.
 fn is_as_planned(text: &[u8], before: &AnsysReader, deck: &Deck, plan: &Plan) -> bool {
     let Ok(mut after) = AnsysReader::read(&deck.model.files[0], text) else { return false };
     if fill(&mut after).is_err() {
@@ -171,14 +171,14 @@ fn comment(model: &Model, removed: &Removed) -> String {
     format!("! qless: {card} {}\n", reason(model, removed, "written anew below"))
 }
 
-/// Numbering of new equations with unused numbers.
+/// How new equations are numbered; their numbers must be unused.
 #[derive(Clone, Copy)]
 enum NewNumbers {
-    /// Above this highest number, in the format of an archive with this tag.
+    /// The numbers above this highest number. The equations have the format of an archive with this tag.
     Archive(u32, &'static str),
-    /// Above this highest number, as commands.
+    /// The numbers above this highest number. The equations are written as plain commands.
     From(u32),
-    /// `NEXT`: only ANSYS knows which numbers are used.
+    /// `NEXT` in place of a number, because only ANSYS knows which numbers are used.
     Next,
 }
 
@@ -220,7 +220,8 @@ fn in_archive(written: &Written, number: u32, tag: &str) -> String {
     std::iter::once(head).chain(terms.chunks(2).map(line)).collect()
 }
 
-/// Commands of three terms each. `first` and `others` are the number field of the first command and of the others.
+/// Plain `CE` commands with up to three terms each. `first` is the number field of the first command, and `others` that of all further
+/// ones.
 fn as_commands(written: &Written, first: &str, others: &str) -> String {
     let term = |(dof, value): &(Dof, f64)| format!(",{},{},{value:?}", dof.node, label::name(dof.component));
     let rhs = written.rhs + 0.0;
@@ -231,7 +232,7 @@ fn as_commands(written: &Written, first: &str, others: &str) -> String {
     terms(written).chunks(3).enumerate().map(line).collect()
 }
 
-/// The terms, slave first.
+/// All terms of a new equation, the slave first.
 fn terms(written: &Written) -> Vec<(Dof, f64)> {
     std::iter::once((written.slave, 1.0)).chain(written.terms.iter().copied()).collect()
 }

@@ -1,8 +1,7 @@
 //! CalculiX and Abaqus decks, `.inp`.
 //!
-//! The deck is read twice: first for definitions (nodes, sets, surfaces, elements), then, in order, for constraints.
-//! Equations are homogeneous, except those of some `*MPC` cards, and their first term is the slave. Every step is a load
-//! case.
+//! The deck is read twice: first for definitions (nodes, sets, surfaces, elements), then, in order, for constraints. Equations are
+//! homogeneous, except those of some `*MPC` cards. The first term of an equation is its slave. Every step is a load case.
 //!
 //! | folder | content, lowest layer first |
 //! | --- | --- |
@@ -29,7 +28,7 @@ use model::definitions::DeckDefinitions;
 use syntax::card::{KeywordCard, Scope};
 use syntax::walk::walk;
 
-/// Reads the definitions of a deck again.
+/// Reads the definitions of a deck again from its text.
 fn definitions(deck: &Deck) -> Result<DeckDefinitions, DeckError> {
     let mut definitions = DeckDefinitions::default();
     let mut note = |card: &KeywordCard| {

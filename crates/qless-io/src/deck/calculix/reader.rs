@@ -1,4 +1,4 @@
-//! Builds the model from the cards. Each step inherits the values, loads and removals of earlier steps.
+//! Builds the model from the cards of a deck. Each step inherits the values, loads and removals of earlier steps.
 
 use std::collections::BTreeMap;
 
@@ -31,7 +31,7 @@ pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
         // Only Abaqus has instances of parts.
         sources.set_solver(Solver::Abaqus);
     }
-    // In ccx, these types of `*MPC` make all steps nonlinear.
+    // In ccx, some types of `*MPC` make all steps nonlinear.
     definitions.is_nonlinear |= has_mpc && sources.solver() == Solver::Ccx;
     let mut reader = CalculixReader::new(sources, definitions)?;
     if reader.solver == Solver::Ccx {
@@ -45,26 +45,26 @@ struct CalculixReader {
     solver: Solver,
     model: Model,
     definitions: DeckDefinitions,
-    /// Prescribed values in force, with the step of their card; step 0 is before the first step.
+    /// The values now in force, each with the step of its card. Step 0 stands for the time before the first step.
     prescribed: BTreeMap<Dof, (Prescribed, usize)>,
     clashes: Vec<Prescribed>,
     loads: Vec<Load>,
     removed: Vec<u32>,
-    /// Last `*COUPLING`; the next card decides its type.
+    /// The last `*COUPLING` card. The card that follows it decides its type.
     coupling: Option<CouplingCard>,
     /// File and line of a `*COUPLING` whose type is not decided yet.
     open_coupling: Option<(u32, u32)>,
-    /// References that only distribute forces, with file and line of their cards.
+    /// File, line and reference of the couplings that only distribute forces.
     forces: Vec<(u32, u32, u32)>,
     mean_rotations: Vec<MeanRotation>,
     bodies: Vec<ReadBody>,
-    /// References of kinematic couplings.
+    /// Reference, file and line of the kinematic couplings.
     couplings: Vec<ReadBody>,
     /// `*CYCLIC SYMMETRY MODEL` cards, and the ties that they may use.
     sectors: Vec<KeywordCard>,
     cyclic: Vec<KeywordCard>,
     steps: usize,
-    /// Whether the current step, or the part before the first step, already has a `*BOUNDARY` card.
+    /// Whether a `*BOUNDARY` card has occurred in the current step, or, before the first step, at all.
     has_boundary: bool,
     in_step: bool,
 }
@@ -147,14 +147,14 @@ impl CalculixReader {
         Ok(())
     }
 
-    /// Notes a mean rotation, for the choice of its slave.
+    /// Records a mean rotation, so that its slave can be chosen at the end.
     fn note_mean_rotation(&mut self, equation: usize, nodes: Vec<u32>) {
         let dofs = self.model.nth(equation).columns.iter().map(|&j| self.model.dofs[j as usize]);
         let prescribed = dofs.filter(|dof| self.prescribed.contains_key(dof)).collect();
         self.mean_rotations.push(MeanRotation { equation, prescribed, nodes });
     }
 
-    /// Leaves out the last `*COUPLING` if no card has decided its type.
+    /// Leaves out the last `*COUPLING` if no `*KINEMATIC` or `*DISTRIBUTING` followed it.
     fn check_coupling(&mut self) {
         if let Some((file, line)) = self.open_coupling.take() {
             let text = "*COUPLING needs a *KINEMATIC or *DISTRIBUTING after it, and has none: left out";
@@ -162,7 +162,7 @@ impl CalculixReader {
         }
     }
 
-    /// Reads the card that decides the type of the last `*COUPLING`.
+    /// Reads `*KINEMATIC` or `*DISTRIBUTING`, which decides the type of the last `*COUPLING`.
     fn coupled(&mut self, card: &KeywordCard) -> Result<(), DeckError> {
         let Some(coupling) = &self.coupling else { return Ok(()) };
         self.open_coupling = None;
@@ -172,14 +172,14 @@ impl CalculixReader {
             self.couplings.push(ReadBody { body, file: card.file, line: card.line });
         }
         if !constrains && card.is("*DISTRIBUTING") && self.solver == Solver::Ccx {
-            // Reading the card has already checked that the reference exists.
+            // The default is never used, because `coupling::read` has already checked that the reference exists.
             let reference = coupling.reference(&self.definitions).unwrap_or_default();
             self.forces.push((card.file, card.line, reference));
         }
         Ok(())
     }
 
-    /// A value of a later step replaces an earlier one; two values in the same step contradict each other.
+    /// Reads `*BOUNDARY`. A value replaces one of an earlier step. Different values in the same step contradict each other.
     fn boundary(&mut self, card: &KeywordCard) -> Result<(), DeckError> {
         let is_first = !std::mem::replace(&mut self.has_boundary, true);
         if card.word("OP").as_deref() == Some("NEW") {
@@ -206,7 +206,8 @@ impl CalculixReader {
         Ok(())
     }
 
-    /// `OP=NEW` removes the values of earlier steps. ccx heeds it only on the first `*BOUNDARY` of a step.
+    /// Executes `OP=NEW`, which removes the values of earlier steps or, before the first step, all values. ccx heeds it only on the first
+    /// `*BOUNDARY` of a step.
     fn forget(&mut self, card: &KeywordCard, is_first: bool) {
         if self.solver == Solver::Ccx && !is_first {
             let text =
@@ -243,8 +244,7 @@ impl CalculixReader {
         }
     }
 
-    /// Reads the cyclic symmetry cards collected so far: each model card with the tie that it names, or else with the
-    /// only tie.
+    /// Reads the `*CYCLIC SYMMETRY MODEL` cards collected so far. Each belongs to the tie that it names, or else to the only tie.
     fn cyclic_symmetry(&mut self) -> Result<(), DeckError> {
         if self.sectors.is_empty() {
             return Ok(());
@@ -285,8 +285,8 @@ impl CalculixReader {
             self.model.nodes_with_axes = self.definitions.nodes_with_axes().collect();
             self.model.keeps_repeated_terms = true;
         }
-        // In these cases no card may lose single nodes. Abaqus may tie a node-based surface in another way. If steps differ, one step may
-        // need a node that is redundant in another.
+        // In two cases, cleaning must not remove single nodes from a card. Solvers other than ccx may tie a node-based surface in another
+        // way. If the constraints differ between steps, one step may need a node that is redundant in another.
         if self.solver != Solver::Ccx || self.model.cases.windows(2).any(|two| !two[0].constrains_as(&two[1])) {
             self.model.cards.keep_whole();
         }
@@ -296,7 +296,7 @@ impl CalculixReader {
         Ok(self.model)
     }
 
-    /// Warns of prescribed motions at references that only distribute forces.
+    /// Warns if a motion is prescribed at a reference that only distributes forces.
     fn warn_of_forces(&mut self) {
         for (file, line, node) in std::mem::take(&mut self.forces) {
             let mut given = self.model.cases.iter().flat_map(|case| &case.prescribed);
@@ -310,8 +310,7 @@ impl CalculixReader {
         }
     }
 
-    /// Refuses equations that name undefined nodes. The error names the lowest such node, at the first equation with
-    /// it.
+    /// Refuses equations that name undefined nodes. The error names the undefined node with the lowest number, and its first equation.
     fn check_nodes(&self) -> Result<(), DeckError> {
         let defined = self.definitions.node_numbers();
         if defined.is_empty() || self.definitions.generates_nodes {
@@ -333,12 +332,12 @@ impl CalculixReader {
     }
 }
 
-/// Whether the values come from another model, from a user's routine, or from the current displacements.
+/// Whether the values of a `*BOUNDARY` card come from another model, a user's routine, or the current displacements.
 fn is_from_elsewhere(card: &KeywordCard) -> bool {
     ["SUBMODEL", "USER", "FIXED"].iter().any(|source| card.parameter(source).is_some())
 }
 
-/// Names the nodes of instances.
+/// Gives the nodes of each instance their names in the model, from the instance and their numbers in it.
 fn name_nodes(model: &mut Model, definitions: &DeckDefinitions) -> Result<(), DeckError> {
     if definitions.instances.is_empty() {
         return Ok(());

@@ -4,12 +4,14 @@
 //! - `rank [C b; C' b'] = rank [C b]` over all DOFs: every solution of the deck solves the cleaned deck.
 //! - `rank C' = rank C` without the prescribed DOFs: the converse holds too.
 //!
-//! Coefficients that may be the rounding of others count as zero; if that gives no proof, all count as given. One of the two readings must
-//! prove both rank equations, so that no mixture of readings hides a difference. Equations of the cleaned deck are scaled to the size of
-//! the deck's: an equation in other units must not pass for the rounding of its neighbours.
+//! The first reading of the numbers takes coefficients that may be rounding errors as zero. If it gives no proof, the second reading takes
+//! all coefficients as given. One reading alone must prove both rank equations, so that no mixture of readings hides a difference.
+//! Equations of the cleaned deck are scaled to the size of those of the deck: an equation in other units must not pass for a rounding error
+//! of its neighbours.
 //!
 //! Whether the deck has a solution is tested separately, so that rounding of new coefficients cannot decide it. Loads must stay at their
-//! DOFs. Cost: five analyses for each case if the first reading proves it, and one more for each of several time histories.
+//! DOFs. Cost: five analyses for each load case if the first reading proves it. If the values of a case have several time histories, each
+//! takes one more.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -56,8 +58,8 @@ pub fn prove(deck: &Deck, text: &[u8], renamed: &Renamed) -> Result<(), CleanErr
     Ok(())
 }
 
-/// The error for a load case whose rank depends on numbers that may be rounding, so that no cleaned deck is certain to be correct; `None`
-/// if its rank does not depend on them.
+/// The error for a load case whose rank depends on numbers that may be rounding errors: then no cleaned deck is certain to be correct.
+/// `None` if the rank does not depend on them.
 fn doubt(model: &Model, case: &LoadCase) -> Result<Option<CleanError>, CleanError> {
     let system = model.system(case)?;
     let analyse = |noise| analyse(&system, &Options { noise, ..Options::default() });
@@ -74,8 +76,8 @@ fn doubt(model: &Model, case: &LoadCase) -> Result<Option<CleanError>, CleanErro
     Ok(Some(CleanError::Doubtful { case: case.name.clone(), place, term, ranks }))
 }
 
-/// The load case of the cleaned deck for load case `k`. Subcases that now constrain alike are merged; the name lists
-/// all their numbers.
+/// The load case of the cleaned deck that corresponds to load case `k` of the deck. The cleaned deck merges subcases that now constrain
+/// alike; the name of the merged case lists all their numbers.
 fn partner<'a>(old: &Model, k: usize, new: &'a Model) -> Option<&'a LoadCase> {
     if old.cases.len() == new.cases.len() {
         return new.cases.get(k);
@@ -87,10 +89,12 @@ fn partner<'a>(old: &Model, k: usize, new: &'a Model) -> Option<&'a LoadCase> {
     new.cases.iter().find(|case| !own.is_empty() && own.iter().all(|number| numbers(case).contains(number)))
 }
 
-/// In the first reading, coefficients below this fraction of their equation count as zero: the numbers of decks have about ten digits.
+/// The first reading takes coefficients below this fraction of the largest one of their equation as zero: numbers in decks have about ten
+/// digits.
 const ROUNDING: f64 = 1e-10;
 
-/// Checks that the equations of two load cases have the same solutions in this reading of their numbers; the error names the difference.
+/// Checks that the equations of two load cases have the same solutions if their numbers are read with this `noise`. The error names the
+/// difference.
 fn same_space(
     both: &SharedColumns,
     a: &LoadCase,
@@ -126,8 +130,8 @@ fn independent(new: &Model, case: &LoadCase, rank: usize, both: &SharedColumns) 
     faults_in(new, case).first().map_or(Ok(()), |fault| Err(fault.describe(new)))
 }
 
-/// Checks the prescribed values of the new load case, and returns their DOFs. Allowed are the values of the old load
-/// case, and values of DOFs that only the new deck has.
+/// Checks the prescribed values of the new load case, and returns their DOFs. It may prescribe the values of the old load case, and DOFs
+/// that only the new deck has.
 fn same_values(
     old: &Model,
     a: &LoadCase,
@@ -144,7 +148,7 @@ fn same_values(
     if let Some((dof, _)) = before.iter().find(|(dof, given)| after.get(dof) != Some(given)) {
         return Err(format!("{dof} is not prescribed as before"));
     }
-    // A DOF that was not prescribed before counts only if an equation of the new deck names it.
+    // A DOF that was not prescribed before matters only if an equation of the new deck names it.
     after.retain(|dof, _| before.contains_key(dof) || new.column(*dof).is_some());
     if let Some(dof) = after.keys().find(|dof| !before.contains_key(dof) && old.column(**dof).is_some()) {
         return Err(format!("{dof} was not prescribed before"));
@@ -152,7 +156,7 @@ fn same_values(
     Ok(after.into_keys().collect())
 }
 
-/// Checks that each DOF has as many loads as before.
+/// Checks that the same DOFs are loaded as before, each equally often.
 fn same_loads(a: &LoadCase, b: &LoadCase, renamed: &Renamed) -> Result<(), String> {
     let sorted = |mut dofs: Vec<Dof>| {
         dofs.sort_unstable();
@@ -163,19 +167,19 @@ fn same_loads(a: &LoadCase, b: &LoadCase, renamed: &Renamed) -> Result<(), Strin
     if before == after { Ok(()) } else { Err("the loads act on other DOFs".into()) }
 }
 
-/// Prescribed values with the names of their time histories; the name of the standard one is empty.
+/// The prescribed values of a load case, each with the name of its time history. The name of the standard history is empty.
 fn values_by_dof(model: &Model, case: &LoadCase) -> BTreeMap<Dof, (f64, String)> {
     let names: Vec<Option<&str>> = model.histories().collect();
     let name = |k: u32| names.get(k as usize).copied().flatten().unwrap_or_default().to_owned();
     case.prescribed.iter().map(|one| (one.dof, (one.value, name(one.history)))).collect()
 }
 
-/// Common columns for the DOFs of two models.
+/// Columns for the DOFs of two models: a DOF of both models has the same column.
 struct SharedColumns<'a> {
     columns: FxHashMap<Dof, usize>,
     renamed: &'a Renamed,
     old: &'a Model,
-    /// The largest coefficient of each column in the old load case.
+    /// For each column, the largest absolute coefficient in the old load case.
     largest: Vec<f64>,
 }
 
@@ -194,15 +198,15 @@ impl<'a> SharedColumns<'a> {
         both
     }
 
-    /// The terms of an equation, by common column.
+    /// The terms of an equation, with columns of the joint system.
     fn terms(&self, model: &Model, i: usize) -> Vec<(usize, f64)> {
         let equation = model.nth(i);
         let terms = equation.columns.iter().zip(equation.coefficients);
         terms.filter_map(|(&j, &a)| Some((self.column(model.dofs[j as usize])?, a))).collect()
     }
 
-    /// Power of two by which an equation is multiplied. An equation of the new deck gets coefficients as large as those of the old deck in
-    /// its columns, and none larger: otherwise one of two equations would count as the rounding of the other.
+    /// The power of two by which an equation is multiplied. It makes the coefficients of a new equation as large as those of the old deck
+    /// in the same columns, and none larger. Otherwise one of two equations would count as a rounding error of the other.
     fn scale(&self, model: &Model, terms: &[(usize, f64)]) -> f64 {
         let ratios =
             terms.iter().filter(|(j, a)| *a != 0.0 && self.largest[*j] > 0.0).map(|(j, a)| self.largest[*j] / a.abs());
@@ -215,7 +219,7 @@ impl<'a> SharedColumns<'a> {
         self.columns.get(self.renamed.get(&dof).unwrap_or(&dof)).copied()
     }
 
-    /// Whether an equation only says `u_a = u_b`, where a and b are two names of one DOF of the original deck.
+    /// Whether an equation only says `u_a = u_b`, where a and b are two names of the same DOF of the original deck.
     fn names_one_dof(&self, new: &Model, i: usize) -> bool {
         let equation = new.nth(i);
         let names: Vec<Dof> = equation.columns.iter().map(|&j| new.dofs[j as usize]).collect();
@@ -223,7 +227,7 @@ impl<'a> SharedColumns<'a> {
         a != b && self.column(a) == self.column(b) && equation.coefficients[0] == -equation.coefficients[1]
     }
 
-    /// The equations in force in some load cases, one below the other, with these DOFs prescribed as zero.
+    /// One system with the equations in force in all these load cases. The DOFs in `given` are prescribed as zero.
     fn system(
         &self,
         parts: &[(&Model, &LoadCase)],
@@ -264,10 +268,10 @@ mod tests {
             (tie, "2\n1,1,1.,3,1,-1.\n"),
             (tie, "2\n1,1,1.,9,1,-1.\n"),
             ("2\n1,1,1.,2,1,-1.\n2\n3,1,1.,2,1,-1.\n", tie),
-            // The second equation must not pass for the rounding of the large ones.
+            // The second equation must not pass for a rounding error of the large coefficients.
             ("2\n1,1,1e12,2,1,-1e12\n", "2\n1,1,1e12,2,1,-1e12\n2\n2,1,1.,1,1,1.\n"),
             ("2\n1,1,1e12,2,1,-1e12\n", "2\n1,1,1e12,2,1,-1e12\n1\n2,1,1.\n"),
-            // Read as given, tiny coefficients count.
+            // If the numbers are read as given, tiny coefficients count.
             ("2\n1,1,1e-30,2,1,-1.\n2\n3,1,1e-30,2,1,-1.\n", "2\n2,1,1.,1,1,-1e-30\n2\n1,1,1.,3,1,-2.\n"),
         ] {
             let error = proof(old, new).expect_err(new);

@@ -1,4 +1,4 @@
-//! Detects the format of a deck by its first cards. The expected format breaks ties.
+//! Detects the format of a deck by its first cards. If a card is valid in several formats, the expected format decides.
 
 mod unrecognized;
 mod words;
@@ -7,26 +7,23 @@ pub use unrecognized::UnrecognizedText;
 
 use super::Format;
 
-/// Most lines examined, without blank lines and comments.
+/// Largest number of lines that are examined; blank lines and comments do not count.
 const LINES: usize = 1000;
 
 /// How strongly a line points to a format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Evidence {
-    /// Not at all.
+    /// The line does not point to the format.
     None,
-    /// It may be a card of the format.
+    /// The line may be a card of the format.
     Possible,
-    /// It is a card of the format, and of another one that more decks have.
+    /// The line is a card of this format, and also of another format that is more common.
     Shared,
-    /// It is a card of the format.
+    /// The line is a card of the format.
     Certain,
 }
 
-/// The format of a text. `expected` is the format of the file's ending or of the requested solver.
-///
-/// # Errors
-/// [`UnrecognizedText`] if the text starts like another file type, or if no card decides.
+/// Returns the format of a text. `expected` is the format that belongs to the file's ending or to the requested solver.
 pub fn format_of(text: &[u8], expected: Option<Format>) -> Result<Format, UnrecognizedText> {
     if let Some(foreign) = UnrecognizedText::foreign(text) {
         return Err(foreign);
@@ -48,7 +45,7 @@ pub fn format_of(text: &[u8], expected: Option<Format>) -> Result<Format, Unreco
     expected.filter(|_| is_possible).ok_or_else(|| UnrecognizedText::from_text(text))
 }
 
-/// Lines that are neither blank nor comments in any of the formats, trimmed.
+/// The lines, trimmed, without blank lines and without comments of any format.
 fn lines(text: &[u8]) -> impl Iterator<Item = &[u8]> {
     let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
     let lines = text.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii);
@@ -68,14 +65,14 @@ fn evidence(format: Format, line: &[u8]) -> Evidence {
     }
 }
 
-/// Evidence for CalculiX and Abaqus: `*NODE`, `*RIGID BODY, ...`.
+/// How strongly a line points to CalculiX or Abaqus, such as `*NODE` or `*RIGID BODY, ...`.
 fn calculix(line: &[u8]) -> Evidence {
     let Some(rest) = line.strip_prefix(b"*") else { return Evidence::None };
     let keyword = rest.split(|&byte| byte == b',').next().unwrap_or_default();
     let first = keyword.split(|byte| !byte.is_ascii_alphanumeric()).next().unwrap_or_default();
     let is_keyword = keyword.first().is_some_and(u8::is_ascii_alphabetic)
         && keyword.iter().all(|&byte| byte.is_ascii_alphanumeric() || matches!(byte, b' ' | b'-' | b'\t'));
-    // `*END` alone ends a macro of APDL, `*END STEP` a step.
+    // `*END` alone is no keyword here, because it ends a macro of APDL. `*END STEP` is one.
     match is_keyword && !words::is_in(words::APDL_STARRED, keyword.trim_ascii()) {
         true if words::is_in(words::CALCULIX, first) => Evidence::Certain,
         true => Evidence::Possible,
@@ -83,7 +80,7 @@ fn calculix(line: &[u8]) -> Evidence {
     }
 }
 
-/// Evidence for LS-DYNA: `*KEYWORD`, `*SET_NODE_LIST`, `*NODE`.
+/// How strongly a line points to LS-DYNA, such as `*KEYWORD`, `*SET_NODE_LIST` or `*NODE`.
 fn lsdyna(line: &[u8]) -> Evidence {
     let Some(rest) = line.strip_prefix(b"*") else { return Evidence::None };
     let keyword = rest.split(u8::is_ascii_whitespace).next().unwrap_or_default();
@@ -96,7 +93,7 @@ fn lsdyna(line: &[u8]) -> Evidence {
     }
 }
 
-/// Evidence for Nastran: `SOL 101`, `SPC = 1`, `GRID,1,...`, `GRID*  1`.
+/// How strongly a line points to Nastran, such as `SOL 101`, `SPC = 1`, `GRID,1,...` or `GRID* 1`.
 fn nastran(line: &[u8]) -> Evidence {
     let end = line.iter().position(|byte| !byte.is_ascii_alphanumeric()).unwrap_or(line.len());
     let (name, rest) = line.split_at(end);
@@ -116,7 +113,7 @@ fn nastran(line: &[u8]) -> Evidence {
     }
 }
 
-/// Whether a line belongs to the executive or case control.
+/// Whether a line belongs to the executive control or the case control of Nastran.
 fn is_control(name: &[u8], rest: &[u8], is_set: bool) -> bool {
     let word = rest.trim_ascii().split(|byte| !byte.is_ascii_alphanumeric()).next().unwrap_or_default();
     let of_two = [("SOL", ""), ("BEGIN", "BULK"), ("BEGIN", "SUPER"), ("BEGIN", "AUXMODEL"), ("SUBCASE", "")];
@@ -128,7 +125,7 @@ fn is_control(name: &[u8], rest: &[u8], is_set: bool) -> bool {
     of_two.into_iter().any(is_pair) || is_set && words::is_in(words::NASTRAN_CONTROL, name)
 }
 
-/// Evidence for ANSYS: `/PREP7`, `*DIM,...`, `CE,...`, `NBLOCK,...`.
+/// How strongly a line points to ANSYS, such as `/PREP7`, `*DIM,...`, `CE,...` or `NBLOCK,...`.
 fn ansys(line: &[u8]) -> Evidence {
     let (mark, rest) = match line.first() {
         Some(mark @ (b'/' | b'*')) => (Some(*mark), &line[1..]),
@@ -150,7 +147,7 @@ fn ansys(line: &[u8]) -> Evidence {
     }
 }
 
-/// Whether only fields or a comment follow the name of a command.
+/// Whether nothing but fields or a comment follows the name of a command.
 fn is_end(tail: &[u8]) -> bool {
     matches!(tail.first(), None | Some(b',' | b'!'))
 }
@@ -219,7 +216,7 @@ mod tests {
         for certain in ["*NODE, NSET=A\n1,0.,0.,0.\n", "*NODE\n1,0.,0.,0.\n*EQUATION\n2\n"] {
             assert_eq!(format_of(certain.as_bytes(), Some(Format::LsDyna)), Ok(Format::Calculix), "{certain}");
         }
-        // A keyword that is in none of the lists.
+        // `*NOVELTY` is a keyword that is in none of the lists.
         assert_eq!(format_of(b"*NOVELTY\n", Some(Format::Calculix)), Ok(Format::Calculix));
         assert!(format_of(b"*NOVELTY\n", None).is_err());
     }

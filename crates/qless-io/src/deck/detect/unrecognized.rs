@@ -1,36 +1,36 @@
-//! Text that is neither a deck nor a matrix.
+//! Describes text that is neither a deck nor a matrix.
 
 use std::fmt;
 
 use crate::fault::quote;
 
-/// Bytes searched for control characters.
+/// Number of bytes that are searched for control characters.
 const HEAD: usize = 1024;
-/// Bytes shown.
+/// Number of bytes that a message shows.
 const SHOWN: usize = 8;
 
-/// Start of a text that no reader recognises.
+/// How a text starts that no reader recognises.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum UnrecognizedText {
-    /// Nothing, or blanks.
+    /// The text is empty or holds only blanks.
     Nothing,
     /// A known file type, such as "an HTML page".
     Known(&'static str),
-    /// First bytes of a file that is no text.
+    /// The file is no text; these are its first bytes.
     Bytes(Vec<u8>),
-    /// Letters with zero bytes between them.
+    /// The file holds letters with zero bytes between them.
     ZeroBytes,
-    /// A line of text.
+    /// The first line of the text that is not blank.
     Line {
-        /// Its number, from 1.
+        /// The number of the line, from 1.
         line: usize,
-        /// The line, quoted, shortened and printable.
+        /// The text of the line, quoted, shortened and printable.
         found: String,
     },
 }
 
-/// First bytes of other file types.
+/// First bytes of files of other types, each with a description of the type.
 const STARTS: [(&[u8], &str); 15] = [
     (b"PK\x03\x04", "a zip archive"),
     (b"BZh", "bzip2 data"),
@@ -67,7 +67,7 @@ impl UnrecognizedText {
         (zeros > 0 || 50 * strange > head.len()).then(|| Self::Bytes(head[..head.len().min(SHOWN)].to_vec()))
     }
 
-    /// A text without cards: its first line that is not blank.
+    /// Describes a text without cards by its first line that is not blank.
     pub(super) fn from_text(text: &[u8]) -> Self {
         let mut lines = text.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii).zip(1..);
         match lines.find(|(line, _)| !line.is_empty()) {

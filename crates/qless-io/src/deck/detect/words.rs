@@ -1,4 +1,4 @@
-//! Words that start cards. Each list only needs the cards that come first in decks.
+//! Words with which cards start. Each list needs only the cards that come first in decks.
 
 /// Whether a word is in a list, regardless of case.
 pub fn is_in(list: &str, word: &[u8]) -> bool {
@@ -29,26 +29,26 @@ pub const APDL_STARRED: &str = "\
     EXIT, GET, GO, IF, MFUN, MOPER, MSG, MWRITE, REPEAT, RETURN, SET, SREAD, STATUS, TAXIS, TOPER, TREAD, USE, \
     VFILL, VGET, VOPER, VPUT, VREAD, VWRITE";
 
-/// APDL commands followed by fields.
+/// APDL commands that are followed by fields.
 pub const APDL: &str = "\
     ACEL, ALLSEL, ANTYPE, BF, BFUNIF, CE, CEINTF, CERIG, CLOCAL, CMBLOCK, CMSEL, CP, CPINTF, CPNGEN, CSYS, D, DDELE, \
     DOFSEL, DSYM, E, EBLOCK, EGEN, EMODIF, EN, ENBLOCK, ESEL, ESYS, ET, ETBLOCK, EXTOPT, F, FDELE, FILL, IC, KEYOPT, \
     LOCAL, MAT, MP, MPDATA, MPTEMP, N, NBLOCK, NGEN, NMODIF, NROTAT, NSEL, NUMOFF, NUMSTR, R, RBE3, REAL, RLBLOCK, \
     RMORE, SECBLOCK, SECDATA, SECNUM, SECTYPE, SF, SFE, SHPP, TB, TREF, TUNIF, TYPE";
 
-/// APDL commands without fields.
+/// APDL commands that stand alone on their line.
 pub const APDL_ALONE: &str = "FINI, FINISH, SOLVE, SAVE";
 
-/// Nastran lines without fields.
+/// Nastran lines that consist of these words only.
 pub const NASTRAN_ALONE: &str = "CEND, BEGIN BULK, ENDDATA, BEGIN";
 
-/// Words that start assignments in Nastran's case control, and its `NASTRAN` statement.
+/// Words that start assignments in the case control of Nastran, and the word `NASTRAN`, which starts a statement.
 pub const NASTRAN_CONTROL: &str = "\
     ACCELERATION, ANALYSIS, ASSIGN, DISP, DISPLACEMENT, DLOAD, ECHO, ESE, FORCE, FREQ, GPFORCE, INIT, LABEL, LOAD, \
     METHOD, MPC, MPCFORCES, NASTRAN, OLOAD, SET, SPC, SPCFORCE, SPCFORCES, STRESS, SUBCASE, SUBTITLE, TEMPERATURE, \
     TITLE";
 
-/// Bulk data cards.
+/// Names of bulk data cards of Nastran.
 pub const NASTRAN_BULK: &str = "\
     ASET, ASET1, BAROR, BEAMOR, BSET, BSET1, CBAR, CBEAM, CBEND, CBUSH, CBUSH1D, CDAMP1, CDAMP2, CELAS1, CELAS2, \
     CELAS3, CELAS4, CFAST, CGAP, CHEXA, CMASS1, CMASS2, CONM1, CONM2, CONROD, CORD1C, CORD1R, CORD1S, CORD2C, \

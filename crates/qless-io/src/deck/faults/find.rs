@@ -6,11 +6,11 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::{EquationFault, FaultKind, keeps_slaves};
 use crate::deck::{Dof, LoadCase, Model, Origin};
 
-/// A slave's coefficient counts as zero below this fraction of the largest one. Division by a coefficient that small magnifies rounding
-/// errors by the inverse of the fraction.
+/// The coefficient of a slave counts as zero below this fraction of the largest coefficient. Dividing by so small a coefficient magnifies
+/// rounding errors by up to the inverse of the fraction.
 const SMALL: f64 = 1e-6;
 
-/// The faults of a deck's equations, each once, in the order of the load cases.
+/// The faults of a deck's equations, each only once, in the order of the load cases.
 pub fn faults(model: &Model) -> Vec<EquationFault> {
     let mut all: Vec<EquationFault> = Vec::new();
     for (k, case) in model.cases.iter().enumerate() {
@@ -81,13 +81,13 @@ pub fn faults_of(model: &Model, prescribed: &FxHashMap<u32, Origin>, left_out: &
     faults
 }
 
-/// The first load case that prescribes a DOF.
+/// The index of the first load case that prescribes a DOF.
 fn since(model: &Model, dof: Dof) -> usize {
     let prescribes = |case: &LoadCase| case.prescribed.binary_search_by_key(&dof, |given| given.dof).is_ok();
     model.cases.iter().position(prescribes).unwrap_or(0)
 }
 
-/// Translations and rotations have different units, so that their coefficients cannot be compared.
+/// A number for the unit of a DOF. Coefficients of translations and of rotations cannot be compared, because their units differ.
 fn unit_of(dof: Dof) -> u8 {
     match dof.component {
         1..=3 => 1,
@@ -96,8 +96,8 @@ fn unit_of(dof: Dof) -> u8 {
     }
 }
 
-/// Finds slaves that depend on each other in a circle. They are a fault only if their equations do not determine them, or if ccx cannot
-/// insert the equations into each other.
+/// Finds circles: slaves that depend on one another. A circle is a fault only if its equations do not determine the slaves, or if ccx
+/// cannot insert the equations into one another.
 fn circles(model: &Model, slave_of: &FxHashMap<u32, usize>) -> Vec<EquationFault> {
     let masters = |i: usize| {
         let equation = model.nth(i);
@@ -106,13 +106,13 @@ fn circles(model: &Model, slave_of: &FxHashMap<u32, usize>) -> Vec<EquationFault
         terms.filter(move |(j, a)| Some(**j) != own && **a != 0.0).filter_map(|(j, _)| slave_of.get(j).copied())
     };
     let pairs = || slave_of.values().flat_map(|&i| masters(i).map(move |j| (i, j)));
-    // An equation belongs to no circle if none of its masters is a slave, or if its slave is no master.
+    // An equation is in no circle if none of its masters is a slave of another equation, or if its slave is a master of none.
     let mut circle: FxHashSet<usize> = slave_of.values().copied().collect();
     keep_waiting(&mut circle, pairs());
     keep_waiting(&mut circle, pairs().map(|(i, j)| (j, i)));
     let mut circle: Vec<usize> = circle.into_iter().collect();
     circle.sort_unstable();
-    // Only ccx keeps repeated terms, and only it inserts equations without pivoting.
+    // Only ccx keeps repeated terms, and only ccx inserts equations without pivoting.
     let cancels = || model.keeps_repeated_terms && keeps_slaves(model, &circle) == Some(false);
     if circle.is_empty() || determines_slaves(model, &circle) && !cancels() {
         return Vec::new();
@@ -121,7 +121,8 @@ fn circles(model: &Model, slave_of: &FxHashMap<u32, usize>) -> Vec<EquationFault
     circle.into_iter().map(|i| EquationFault { equation: i, slave: slave(i), kind: FaultKind::Circle }).collect()
 }
 
-/// Removes equations from `left` until each one left waits for another one left. A pair `(i, j)` says that i waits for j.
+/// Removes equations from `left` until each equation left waits for another one that is left. A pair `(i, j)` says that equation i waits
+/// for equation j.
 fn keep_waiting(left: &mut FxHashSet<usize>, pairs: impl Iterator<Item = (usize, usize)>) {
     let mut waits: FxHashMap<usize, usize> = FxHashMap::default();
     let mut users: FxHashMap<usize, Vec<usize>> = FxHashMap::default();
@@ -143,7 +144,7 @@ fn keep_waiting(left: &mut FxHashSet<usize>, pairs: impl Iterator<Item = (usize,
     }
 }
 
-/// Whether the equations surely determine their slaves: the square matrix of the slaves' coefficients has full rank.
+/// Whether the equations certainly determine their slaves: the square matrix of the slaves' coefficients has full rank.
 fn determines_slaves(model: &Model, equations: &[usize]) -> bool {
     let slaves: FxHashMap<u32, usize> = equations.iter().map(|&i| model.nth(i).columns[0]).zip(0..).collect();
     let mut builder = SystemBuilder::new(equations.len());
@@ -156,8 +157,8 @@ fn determines_slaves(model: &Model, equations: &[usize]) -> bool {
     analysis.is_some_and(|analysis| analysis.rank() == equations.len() && !analysis.confidence().ambiguous)
 }
 
-/// A DOF in a coupled set of ANSYS, `u_j - u_1 = 0`. No DOF may be in two sets or be prescribed. This holds for the first DOF as well,
-/// although it is no slave.
+/// A DOF of a coupled set of ANSYS, whose equations are `u_j - u_1 = 0`. No DOF may be in two sets, or be prescribed. This also holds for
+/// the first DOF of a set, although it is no slave.
 #[derive(Clone, Copy)]
 struct CoupledDof {
     equation: usize,
@@ -165,7 +166,7 @@ struct CoupledDof {
     is_first: bool,
 }
 
-/// Faults of the first DOFs of coupled sets. All other DOFs of a set are slaves; [`faults_of`] checks them as slaves.
+/// Finds the faults of the first DOFs of coupled sets. The other DOFs of a set are slaves, which [`faults_of`] checks.
 fn coupled_faults(model: &Model, prescribed: &FxHashMap<u32, Origin>, left_out: &[bool]) -> Vec<EquationFault> {
     let mut known: FxHashMap<u32, CoupledDof> = FxHashMap::default();
     let mut faults = Vec::new();
@@ -188,15 +189,15 @@ fn coupled_faults(model: &Model, prescribed: &FxHashMap<u32, Origin>, left_out: 
     faults
 }
 
-/// Equations of coupled sets, with their cards.
+/// The equations of coupled sets that are not left out, each with its card.
 fn coupled_equations<'a>(model: &'a Model, left_out: &'a [bool]) -> impl Iterator<Item = (usize, u32)> + 'a {
     let kept = (0..model.equations()).filter(|&i| !left_out[i]);
     kept.map(|i| (i, model.nth(i).origin.card)).filter(|&(_, card)| model.cards.nth(card).name.is_numbered("CP"))
 }
 
-/// Masters that an `*EQUATION` names twice. ccx 2.20 adds up such terms only if the slave is named twice too, or if it
-/// inserts another equation into this one; otherwise it continues with a wrong stiffness, without a message. Each term
-/// at a node with local axes stands for three global DOFs, so that two components of the node name these DOFs twice.
+/// Finds masters that an `*EQUATION` names twice. ccx 2.20 adds up such terms only if the slave is named twice too, or if it inserts
+/// another equation into this one. Otherwise it continues with a wrong stiffness, without a message. Each term at a node with local axes
+/// stands for three global DOFs, so two components of the node name these DOFs twice.
 fn repeated_faults(
     model: &Model,
     prescribed: &FxHashMap<u32, Origin>,
@@ -208,7 +209,7 @@ fn repeated_faults(
     let dof = |j: u32| model.dofs[j as usize];
     let slaves = kept.clone().filter_map(|i| model.nth(i).columns.first().map(|&j| (model.as_global(dof(j)), i)));
     let mut held: FxHashMap<Dof, usize> = slaves.collect();
-    // ccx treats a value prescribed along local axes as an equation.
+    // A value prescribed along local axes counts as an equation here, because ccx treats it as one.
     let given = prescribed.keys().map(|&j| model.as_global(dof(j))).filter(|dof| dof.component == 0);
     held.extend(given.map(|dof| (dof, usize::MAX)));
     let is_equation = |i: &usize| model.cards.nth(model.nth(*i).origin.card).name == "*EQUATION";

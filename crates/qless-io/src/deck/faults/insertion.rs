@@ -1,4 +1,4 @@
-//! Insertion of equations into each other, as ccx does it (`cascade.c`).
+//! Inserts equations into one another, as ccx does (`cascade.c`).
 
 use rustc_hash::FxHashMap;
 
@@ -6,15 +6,15 @@ use crate::deck::Model;
 
 /// Coefficients below this count as zero in ccx.
 const ZERO: f64 = 1e-10;
-/// Most insertions; beyond that, the result is unknown.
+/// Largest number of insertions. If more are needed, the result counts as unknown.
 const MOST_INSERTIONS: usize = 200_000;
 
-/// Terms of an equation, slave first.
+/// The terms of an equation, the slave first.
 type TermList = Vec<(u32, f64)>;
 
-/// Whether all equations keep their slaves if ccx inserts them into each other. ccx replaces masters that are slaves of
-/// other equations, until no such master is left. It stops if the slave of an equation cancels. `None` if this takes
-/// too many insertions.
+/// Whether all equations keep their slaves when ccx inserts them into one another. ccx replaces each master that is the slave of another
+/// equation, until no such master remains. It stops with an error if the slave of an equation cancels. `None` if this takes too many
+/// insertions.
 pub fn keeps_slaves(model: &Model, equations: &[usize]) -> Option<bool> {
     let row = |&i: &usize| {
         let equation = model.nth(i);
@@ -51,7 +51,8 @@ fn order(model: &Model, equation: usize) -> u8 {
     if name == "*KINEMATIC" { 0 } else { 1 + u8::from(name == "*TIE") }
 }
 
-/// Adds up terms with the same DOF, in order of first occurrence. Keeps the first term, and others that are not zero.
+/// Adds up terms with the same DOF, in the order in which the DOFs occur first. Keeps the first term, and all other terms that are not
+/// zero.
 fn collected(terms: impl Iterator<Item = (u32, f64)>) -> TermList {
     let mut row = TermList::new();
     let mut at: FxHashMap<u32, usize> = FxHashMap::default();
@@ -68,7 +69,7 @@ fn collected(terms: impl Iterator<Item = (u32, f64)>) -> TermList {
     row
 }
 
-/// Replaces the term at position `at` of a row by means of `equation`, whose slave is the DOF of this term.
+/// Replaces the term at index `at` of `row`: its DOF is the slave of `equation`, which is solved for it.
 fn inserted(row: &TermList, at: usize, equation: &TermList) -> TermList {
     let factor = -row[at].1 / equation[0].1;
     let instead = equation[1..].iter().map(|&(j, a)| (j, factor * a));

@@ -1,4 +1,4 @@
-//! Faults of equations, other than dependence, that stop a solver which eliminates the first DOF of each equation.
+//! Faults of equations other than dependence. They stop a solver that eliminates the first DOF of each equation.
 
 mod find;
 mod insertion;
@@ -9,64 +9,63 @@ pub(crate) use insertion::keeps_slaves;
 
 use crate::deck::{Dof, LoadCase, Model, Origin};
 
-/// A fault of one equation.
+/// A fault of an equation in a deck.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub struct EquationFault {
-    /// The equation, from 0. For a coupled set or a circle, one of its equations.
+    /// The index of the equation, from 0. If a coupled set or a circle is at fault, one of its equations.
     pub equation: usize,
-    /// Its slave, or the DOF of a coupled set.
+    /// The slave of the equation, or the DOF of the coupled set.
     pub slave: Dof,
     /// The kind of the fault.
     pub kind: FaultKind,
 }
 
-/// The kind of a fault.
+/// The kinds of faults.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum FaultKind {
     /// The slave has a prescribed value.
     SlavePrescribed {
-        /// Card that prescribes the value.
+        /// The card that prescribes the value.
         by: Origin,
-        /// The first load case that prescribes it, from 0.
+        /// The index of the first load case that prescribes the value, from 0.
         since: usize,
     },
     /// The slave is also the slave of an earlier equation.
     SlaveTwice {
-        /// The earlier equation.
+        /// The index of the earlier equation.
         first: usize,
     },
-    /// The slave's coefficient is zero, or negligible beside the others.
+    /// The coefficient of the slave is zero, or negligible beside the others.
     SlaveVanishes,
     /// The slave is in a set that excludes slaves, such as Nastran's `ASET`.
     SlaveClaimed {
-        /// Card that puts it into the set.
+        /// The card that puts the slave into the set.
         by: Origin,
     },
-    /// A DOF is in two coupled sets of ANSYS, and is the first DOF of one of them.
+    /// A DOF is in two coupled sets of ANSYS, and it is the first DOF of one of them.
     CoupledTwice {
-        /// An equation of the earlier set.
+        /// The index of an equation of the earlier set.
         first: usize,
     },
     /// The first DOF of a coupled set of ANSYS has a prescribed value.
     CoupledPrescribed {
-        /// Card that prescribes the value.
+        /// The card that prescribes the value.
         by: Origin,
     },
-    /// A master occurs twice, directly or through the local axes of its node, and the solver does not add up the
-    /// coefficients.
+    /// A master occurs twice, directly or through the local axes of its node. The solver does not add up the two coefficients.
     MasterTwice {
-        /// The master.
+        /// The master that occurs twice.
         master: Dof,
     },
-    /// The solver makes no equation of the card.
+    /// The solver makes no equation from the card.
     Missing {
-        /// Why it makes none.
+        /// Why the solver makes none.
         why: &'static str,
     },
-    /// Slaves depend on each other in a circle. The equations hardly determine them, or a slave cancels when the solver
-    /// inserts the equations into each other.
+    /// Slaves depend on one another in a circle. Their equations hardly determine them, or a slave cancels when the solver inserts the
+    /// equations into one another.
     Circle,
 }
 
@@ -109,7 +108,7 @@ impl EquationFault {
     }
 }
 
-/// ` from step 2 on` or ` in subcase 2`; empty if the first load case prescribes it.
+/// Says when the fault begins: ` from step 2 on` or ` in subcase 2`. Empty if the first load case already prescribes the value.
 fn when(model: &Model, since: usize) -> String {
     let case = model.cases.get(since).filter(|_| since > 0);
     let text = |case: &LoadCase| {

@@ -1,5 +1,5 @@
-//! Coordinate frames: `x = origin + e1 a + e2 b + e3 c` with the axes e1, e2, e3, where `(a, b, c)` are functions of the frame's
-//! coordinates.
+//! Coordinate frames. A point lies at `x = origin + e1 a + e2 b + e3 c`, where e1, e2, e3 are the axes of the frame, and `(a, b, c)` are
+//! functions of the point's coordinates in the frame:
 //!
 //! | kind        | coordinates   | (a, b, c)                                        |
 //! | ----------- | ------------- | ------------------------------------------------ |
@@ -11,7 +11,7 @@
 
 use super::vector::{Vector, cross, dot, length, minus, plus, scaled, unit};
 
-/// Meaning of a frame's coordinates.
+/// The kind of a frame's coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrameKind {
     Rectangular,
@@ -19,7 +19,7 @@ pub enum FrameKind {
     Spherical,
 }
 
-/// A coordinate frame: origin and orthonormal axes, as rows.
+/// A coordinate frame: its origin, and its orthonormal axes as rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     pub kind: FrameKind,
@@ -33,8 +33,8 @@ pub const BASIC_AXES: [Vector; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0
 impl Frame {
     pub const BASIC: Self = Self { kind: FrameKind::Rectangular, origin: [0.0; 3], axes: BASIC_AXES };
 
-    /// The frame with origin a, third axis `b - a`, and c in the plane of first and third axis; `None` if the points are
-    /// on a line.
+    /// The frame with origin a and third axis along `b - a`, such that c lies in the plane of the first and third axes. `None` if the
+    /// points are on a line.
     pub fn through(kind: FrameKind, a: Vector, b: Vector, c: Vector) -> Option<Self> {
         const LEAST_SINE: f64 = 1e-10;
         let third = unit(minus(b, a))?;
@@ -47,7 +47,7 @@ impl Frame {
         Some(Self { kind, origin: a, axes: [cross(second, third), second, third] })
     }
 
-    /// Global coordinates of the point with these coordinates in the frame.
+    /// The global position of the point with these coordinates in the frame.
     pub fn point(&self, coordinates: Vector) -> Vector {
         let [p, q, r] = coordinates;
         let local = match self.kind {
@@ -58,7 +58,7 @@ impl Frame {
         (0..3).fold(self.origin, |sum, k| plus(sum, scaled(self.axes[k], local[k])))
     }
 
-    /// Local axes at a point, which is in global coordinates.
+    /// The local axes at a point. The point and the axes are in global coordinates.
     pub fn axes_at(&self, point: Vector) -> [Vector; 3] {
         let from = minus(point, self.origin);
         let local = self.axes.map(|axis| dot(axis, from));
@@ -70,26 +70,26 @@ impl Frame {
         }
     }
 
-    /// Global components of directions in this frame.
+    /// Converts directions from components along this frame's axes to global components.
     fn global(&self, directions: [Vector; 3]) -> [Vector; 3] {
         directions.map(|d| (0..3).fold([0.0; 3], |sum, k| plus(sum, scaled(self.axes[k], d[k]))))
     }
 }
 
-/// Radial, tangential and axial direction; on the axis the angle is 0.
+/// The radial, tangential and axial directions at a point. On the axis, the angle counts as 0.
 fn cylindrical([a, b, _]: Vector, size: f64) -> [Vector; 3] {
     let [cos, sin] = direction(a, b, size);
     [[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]]
 }
 
-/// Directions of increasing r, theta and phi.
+/// The directions in which r, theta and phi increase.
 fn spherical([a, b, c]: Vector, size: f64) -> [Vector; 3] {
     let [cos_phi, sin_phi] = direction(a, b, size);
     let [cos, sin] = direction(c, a.hypot(b), size);
     [[sin * cos_phi, sin * sin_phi, cos], [cos * cos_phi, cos * sin_phi, -sin], [-sin_phi, cos_phi, 0.0]]
 }
 
-/// `(a, b)` scaled to length 1; `(1, 0)` if a and b are only rounding errors of coordinates of this size.
+/// The vector `(a, b)` scaled to length 1. If a and b are only rounding errors of coordinates of this size, `(1, 0)`.
 fn direction(a: f64, b: f64, size: f64) -> [f64; 2] {
     let radius = a.hypot(b);
     if radius <= 16.0 * f64::EPSILON * size { [1.0, 0.0] } else { [a / radius, b / radius] }

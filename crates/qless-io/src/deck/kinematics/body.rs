@@ -1,13 +1,13 @@
 //! Rigid motion of a grid point, `u = (t + w x r, w)` along the point's own axes, and equations between components.
 //!
-//! A motion is six numbers: translation t and rotation w about the global axes; r is the arm from the origin of the
-//! motion. A component is the product of the motion with a row of six: `(e, r x e)` for components 1 to 3, along axis e
-//! of the point, and `(0, e)` for 4 to 6, about that axis.
+//! A motion is six numbers: the translation t and the rotation w, along and about the global axes. r is the arm from the origin of the
+//! motion to the point. A component of the point is the product of the motion with a row of six numbers: `(e, r x e)` for components 1 to
+//! 3, along axis e of the point, and `(0, e)` for components 4 to 6, about that axis.
 
 use super::vector::{Vector, largest, length, minus, plus, scaled};
 use crate::deck::{Dof, Problem};
 
-/// Coefficients of one component. Their product with a motion is the value of the component.
+/// Six coefficients of a component. Their product with a motion (translation and rotation) is the value of the component.
 pub type MotionRow = [f64; 6];
 
 /// Position and axes of a grid point, in global coordinates.
@@ -18,7 +18,7 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// The row of component 1 to 6 for motions about `origin`.
+    /// The row of component 1 to 6 of the point, for motions about `origin`.
     pub fn row(&self, component: u8, origin: Vector) -> MotionRow {
         if component > 3 {
             let [x, y, z] = self.axes[usize::from(component) - 4];
@@ -29,8 +29,8 @@ impl Pose {
         [x, y, z, product(&[q, -r], &[z, y]), product(&[r, -p], &[x, z]), product(&[p, -q], &[y, x])]
     }
 
-    /// This pose in the axes of `other`, with `other` as origin. Its rows about the origin are coefficients of the six components of
-    /// `other`.
+    /// Expresses this pose in the frame of `other`, whose position is the origin. Then a row about the origin holds the coefficients of the
+    /// six components of `other`.
     pub fn relative_to(&self, other: &Self) -> Self {
         let arm = minus(self.position, other.position);
         let rounding = 8.0 * f64::EPSILON * (largest(self.position) + largest(other.position));
@@ -41,28 +41,29 @@ impl Pose {
     }
 }
 
-/// Finds the pose of grid points.
+/// Gives the position and axes of grid points.
 pub trait Poses {
     /// # Errors
     /// The node is undefined, or its pose is unknown.
     fn pose(&self, node: u32) -> Result<Pose, Problem>;
 }
 
-/// Equation `sum a u = 0` with coefficients a of components u; the dependent component comes first, and no coefficient is 0.
+/// The equation `sum a u = 0`, where each component u has a coefficient a. The dependent component comes first, and no coefficient is 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CouplingEquation {
     pub terms: Vec<(Dof, f64)>,
 }
 
 impl CouplingEquation {
-    /// `u_dependent - sum a u = 0`.
+    /// The equation `u_dependent - sum a u = 0`, where `others` holds the components u and the coefficients a.
     pub fn new(dependent: Dof, others: impl IntoIterator<Item = (Dof, f64)>) -> Self {
         let others = others.into_iter().filter(|&(_, value)| value != 0.0).map(|(at, value)| (at, -value));
         Self { terms: std::iter::once((dependent, 1.0)).chain(others).collect() }
     }
 }
 
-/// Mean of the positions, and the largest distance from the mean, or 1 if that is 0. The distance converts rotations to lengths.
+/// The mean of the positions, and the largest distance from the mean, or 1 if that distance is 0. The distance serves to convert rotations
+/// to lengths.
 pub fn centre_and_size(positions: impl ExactSizeIterator<Item = Vector> + Clone) -> (Vector, f64) {
     let share = 1.0 / positions.len() as f64;
     let centre = positions.clone().fold([0.0; 3], |sum, position| plus(sum, scaled(position, share)));
@@ -70,19 +71,19 @@ pub fn centre_and_size(positions: impl ExactSizeIterator<Item = Vector> + Clone)
     (centre, if farthest > 0.0 { farthest } else { 1.0 })
 }
 
-/// Scalar product; 0 if it is only a rounding error, so that perpendicular directions stay uncoupled.
+/// The scalar product of a and b. It is 0 if it would be only a rounding error, so that perpendicular directions stay uncoupled.
 pub fn product(a: &[f64], b: &[f64]) -> f64 {
     let largest = |v: &[f64]| v.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
     clean(a.iter().zip(b).map(|(x, y)| x * y).sum(), largest(a) * largest(b))
 }
 
-/// `sum`, or 0 if `sum` is only a rounding error of terms of this size.
+/// Returns `sum`, or 0 if `sum` is only a rounding error of terms of this size.
 pub fn clean(sum: f64, size: f64) -> f64 {
     const ROUNDING: f64 = 64.0 * f64::EPSILON;
     if sum.is_finite() && sum.abs() <= ROUNDING * size { 0.0 } else { sum }
 }
 
-/// Test data: grid points with irregular positions and axes.
+/// Data for tests: grid points with irregular positions and axes.
 #[cfg(test)]
 pub mod samples {
     use super::*;

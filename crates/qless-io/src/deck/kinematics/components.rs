@@ -1,6 +1,6 @@
 //! Sets of components of a grid point.
 
-/// A set of components 1 to 6 of a grid point. The empty set is component 0 of a scalar point.
+/// A set of components 1 to 6 of a grid point. The empty set stands for component 0 of a scalar point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Components(u8);
 
@@ -8,7 +8,7 @@ impl Components {
     pub const ALL: Self = Self(0b111_1110);
     pub const TRANSLATIONS: Self = Self(0b000_1110);
 
-    /// The set of one component, 1 to 6.
+    /// The set that holds one component, 1 to 6.
     pub fn one(component: u8) -> Self {
         Self(1 << component)
     }
@@ -30,7 +30,7 @@ impl Components {
         Self(self.0 & !other.0)
     }
 
-    /// The set with one more component.
+    /// The set with this component added.
     pub fn with(self, component: u8) -> Self {
         Self(self.0 | 1 << component)
     }
@@ -48,7 +48,7 @@ impl Components {
         (1..=6).filter(move |&component| self.contains(component))
     }
 
-    /// Parses `246`; `0` and empty text give the empty set.
+    /// Parses digits such as `246`. `0` and an empty text give the empty set.
     pub fn parse(word: &[u8]) -> Option<Self> {
         if word == b"0" {
             return Some(Self(0));

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use super::body::{CouplingEquation, clean};
 use crate::deck::{CardFault, Dof, Problem};
 
-/// Factors `P A Q = L U`, and the rank of A.
+/// The factors of a square matrix A, `P A Q = L U` with permutations P and Q, and the rank of A.
 pub struct DenseFactor {
     n: usize,
     rank: usize,
@@ -15,13 +15,13 @@ pub struct DenseFactor {
     columns: Vec<usize>,
 }
 
-/// Pivots up to this fraction of the largest entry count as zero.
+/// A pivot counts as zero up to this fraction of the largest entry.
 const SINGULAR: f64 = 1e-10;
-/// Largest residual of equations without a pivot, relative to the largest right-hand side.
+/// Largest residual of the equations without a pivot, relative to the largest right-hand side, at which a solution exists.
 const CONSISTENT: f64 = 1e-9;
 
 impl DenseFactor {
-    /// Factors an n x n matrix, given by rows.
+    /// Factors an n x n matrix, whose entries are given row by row.
     pub fn new(n: usize, a: Vec<f64>) -> Self {
         let mut factor = Self { n, rank: n, lu: a, rows: (0..n).collect(), columns: (0..n).collect() };
         let largest = factor.lu.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
@@ -54,13 +54,13 @@ impl DenseFactor {
         Some(x)
     }
 
-    /// Eliminates column k; returns false if no pivot exceeds `least`.
+    /// Eliminates with the k-th pivot. Returns false if no remaining entry exceeds `least`.
     fn eliminate(&mut self, k: usize, least: f64) -> bool {
         let n = self.n;
         let places = (k..n).flat_map(|i| (k..n).map(move |j| (i, j)));
         let size = |&(i, j): &(usize, usize)| self.lu[i * n + j].abs();
         let Some((row, column)) = places.max_by(|a, b| size(a).total_cmp(&size(b))) else { return false };
-        // A comparison with NaN is false, so this rejects NaN too.
+        // A comparison with NaN has no result, so this rejects NaN too.
         if size(&(row, column)).partial_cmp(&least) != Some(Ordering::Greater) {
             return false;
         }
@@ -84,7 +84,7 @@ impl DenseFactor {
     }
 }
 
-/// Solves m equations for m dependent components. `size` converts rotations to lengths.
+/// Solves m equations for m dependent components. `size` is the length that converts rotations to lengths.
 pub fn solved_for(
     equations: &[CouplingEquation],
     dependent: &[Dof],
@@ -110,7 +110,7 @@ pub fn solved_for(
     Ok((0..m).map(|i| equation(i, dependent[i], &solved, size)).collect())
 }
 
-/// Coefficients of each component in all equations, converted to lengths.
+/// For each component, its coefficients in all equations, after rotations are converted to lengths.
 fn columns(equations: &[CouplingEquation], size: f64) -> BTreeMap<Dof, Vec<f64>> {
     let mut columns = BTreeMap::new();
     for (i, equation) in equations.iter().enumerate() {

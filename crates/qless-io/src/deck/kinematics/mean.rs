@@ -1,10 +1,10 @@
 //! `RBE3`: the reference moves as the weighted mean of grid points, `u_r = A_r S^-1 sum w_k a_k^T u_k` with `S = sum
 //! w_k a_k^T a_k`.
 //!
-//! a_k is the motion row of connected component k and w_k its weight; A_r holds the rows of the reference components.
-//! The weight of a rotation is multiplied by L^2, where L is the mean distance of the grid points from the reference;
-//! this makes the result independent of the unit of length. With a `UM` list, the equations are solved for its
-//! components, which gives equivalent equations.
+//! a_k is the motion row of connected component k (its six coefficients, see `body`), u_k its value and w_k its weight. A_r holds the
+//! motion rows of the reference components. The weight of a rotation is multiplied by L^2, where L is the mean distance of the grid points
+//! from the reference; this makes the result independent of the unit of length. If the card has a `UM` list, the equations are solved for
+//! the components in it, which gives equivalent equations.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -15,7 +15,7 @@ use super::rigid::NodeComponents;
 use super::vector::{Vector, length, minus};
 use crate::deck::{CardFault, Dof, Problem};
 
-/// Components of some grid points with the same weight; `nodes` are node numbers, or ranges of them as on the card.
+/// Components of some grid points, all with the same weight. `nodes` are node numbers, or ranges of them as on the card.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WeightedNodes<N = u32> {
     pub weight: f64,
@@ -23,18 +23,18 @@ pub struct WeightedNodes<N = u32> {
     pub nodes: Vec<N>,
 }
 
-/// The element, as on its card.
+/// An `RBE3` as on its card.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeanElement<N = u32> {
     pub reference: u32,
     pub components: Components,
     pub groups: Vec<WeightedNodes<N>>,
-    /// Components to solve for (`UM`); may be empty.
+    /// The components after `UM`, for which the equations are solved; may be empty.
     pub dependent: NodeComponents,
 }
 
 impl<N> MeanElement<N> {
-    /// The element with its ranges expanded to node numbers.
+    /// The same element, with node numbers in place of ranges.
     pub fn expand(&self, nodes: impl Fn(&[N]) -> Result<Vec<u32>, Problem>) -> Result<MeanElement, Problem> {
         let group = |group: &WeightedNodes<N>| {
             let (weight, components) = (group.weight, group.components);
@@ -47,7 +47,7 @@ impl<N> MeanElement<N> {
 }
 
 impl MeanElement {
-    /// One equation for each component of the reference, solved for the `UM` components if there are any.
+    /// One equation for each component of the reference. If there are `UM` components, the equations are solved for them.
     pub fn equations(&self, poses: &impl Poses) -> Result<Vec<CouplingEquation>, Problem> {
         let reference = poses.pose(self.reference)?;
         let body = ConnectedBody::new(self, &reference, poses)?;
@@ -66,7 +66,7 @@ impl MeanElement {
     }
 }
 
-/// Connected components with their motion rows about their centre; rotations are converted to lengths.
+/// The connected components of an `RBE3`, each with its motion row about their centre and its weight. Rotations are converted to lengths.
 struct ConnectedBody {
     dofs: Vec<(Dof, MotionRow, f64)>,
     centre: Vector,
@@ -91,14 +91,14 @@ impl ConnectedBody {
         Ok(body)
     }
 
-    /// Motion row with rotations converted to lengths.
+    /// The motion row of a component, with rotations converted to lengths.
     fn row(&self, pose: &Pose, component: u8) -> MotionRow {
         let [a, b, c, d, e, f] = pose.row(component, self.centre);
         [a, b, c, d / self.size, e / self.size, f / self.size]
     }
 
-    /// Coefficients of the connected components for one component of the reference; `None` if they do not determine
-    /// it.
+    /// Coefficients of the connected components in the mean, for one component of the reference. `None` if the connected components do not
+    /// determine it.
     fn mean(&self, reference: &Pose, component: u8) -> Option<Vec<(Dof, f64)>> {
         let scaled = |row: &MotionRow| -> MotionRow { std::array::from_fn(|i| row[i] * self.normal.scale[i]) };
         let mut motion = self.normal.factor.solve(&scaled(&self.row(reference, component)))?;
@@ -109,7 +109,7 @@ impl ConnectedBody {
 }
 
 impl MeanElement {
-    /// Connected grid points, each once, in the order of the card.
+    /// The connected grid points with their poses, each once, in the order of the card.
     fn nodes(&self, poses: &impl Poses) -> Result<Vec<(u32, Pose)>, Problem> {
         let mut seen = FxHashSet::default();
         let nodes = self.groups.iter().flat_map(|group| &group.nodes).filter(|node| seen.insert(**node));
@@ -117,7 +117,7 @@ impl MeanElement {
         if nodes.is_empty() || self.components.is_empty() { Err(CardFault::NothingConnected.into()) } else { Ok(nodes) }
     }
 
-    /// Weights of the connected components; repeated components add up.
+    /// The weight of each connected component. If a component is repeated, its weights are added.
     pub(super) fn weights(&self) -> Result<Vec<(Dof, f64)>, Problem> {
         let mut places = FxHashMap::default();
         let mut weights: Vec<(Dof, f64)> = Vec::new();
@@ -140,9 +140,9 @@ impl MeanElement {
     }
 }
 
-/// The mean over motions in the reference's own components only: `u_r = S^-1 sum w_k a_k^T u_k` with `S = sum w_k a_k^T
-/// a_k`, where a_k has only the columns of these components. If none of them is a rotation, the result is the plain
-/// weighted mean: lever arms have no effect. MYSTRAN's `RBE3` works this way.
+/// The equations of MYSTRAN's `RBE3`. It takes the mean over motions in the reference's own components only: `u_r = S^-1 sum w_k a_k^T u_k`
+/// with `S = sum w_k a_k^T a_k`, where w_k is the weight of connected component k, and its motion row a_k has only the columns of these
+/// components. If none of them is a rotation, the result is the plain weighted mean: lever arms have no effect.
 pub fn partial_mean(element: &MeanElement, poses: &impl Poses) -> Result<Vec<CouplingEquation>, Problem> {
     let reference = poses.pose(element.reference)?;
     let own: Vec<u8> = element.components.iter().collect();
@@ -167,11 +167,11 @@ pub fn partial_mean(element: &MeanElement, poses: &impl Poses) -> Result<Vec<Cou
     own.iter().enumerate().map(equation).collect()
 }
 
-/// Factor of `D S D`, where the diagonal matrix D scales the diagonal of `S = sum w a^T a` to ones: rotations may weigh
-/// far more than translations.
+/// The factor of `D S D`, where `S = sum w a^T a`. The diagonal matrix D makes the diagonal of the product ones, because rotations may
+/// weigh far more than translations.
 struct ScaledNormal {
     factor: DenseFactor,
-    /// Diagonal of D.
+    /// The diagonal of D.
     scale: Vec<f64>,
 }
 
@@ -213,7 +213,7 @@ mod tests {
         }
     }
 
-    /// Node k on a unit square about node 9, with global axes.
+    /// Poses of nodes 1 to 4 at the corners of a square about node 9, with global axes.
     struct UnitSquare;
 
     impl Poses for UnitSquare {
@@ -258,7 +258,7 @@ mod tests {
         assert_eq!(others.filter(|term| slaves.iter().any(|slave| slave.0 == term.0)).count(), 0);
     }
 
-    /// Nodes 1 and 2 on either side of node 9, at distance `L`.
+    /// Poses of nodes 1 and 2 on either side of node 9, each at the distance `L` in the field.
     struct Beam(f64);
 
     impl Poses for Beam {
@@ -268,7 +268,7 @@ mod tests {
         }
     }
 
-    /// With `S = 2 (L^2 + L^2)`, a rotation has coefficient 1/4 in any unit of length, and a deflection `L / S`.
+    /// With `S = 2 (L^2 + L^2)`, a rotation has the coefficient 1/4 in any unit of length, and a deflection has `L / S`.
     #[test]
     fn rotations_weigh_the_same_in_every_unit_of_length() {
         for size in [1e-9, 1.0, 1000.0, 1e9] {

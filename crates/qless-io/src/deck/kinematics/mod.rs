@@ -1,5 +1,5 @@
-//! Equations of points that move together: coordinate frames, rigid elements, rods, weighted means and ties to faces, for
-//! decks of all formats.
+//! Equations of points that move together, for decks of all formats: coordinate frames, rigid elements, rods, weighted means and ties to
+//! faces.
 
 pub mod axes;
 pub mod body;

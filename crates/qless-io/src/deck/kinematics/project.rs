@@ -7,26 +7,26 @@ use crate::deck::Problem;
 use crate::deck::kinematics::vector::{Vector, dot, length, minus, plus, scaled};
 use crate::fault::quote;
 
-/// Shape functions below this are rounding errors.
+/// Values of shape functions below this are rounding errors.
 const ROUNDING: f64 = 1e-12;
 
-/// A face of the master surface: corners in order, then the middle nodes of its edges.
+/// A face of the master surface. `nodes` holds its corners in order, then the middle nodes of its edges.
 pub struct MasterFace {
     pub nodes: Vec<u32>,
     points: Vec<Vector>,
     shape: shape::FaceShape,
 }
 
-/// The nearest point of a face.
+/// The point of a face that is nearest to a given point.
 pub struct NearestPoint {
     pub face: usize,
     pub distance: f64,
-    /// Shape functions at that point, by node of the face.
+    /// The values of the shape functions at that point, one for each node of the face.
     pub weights: Vec<f64>,
 }
 
 impl MasterFace {
-    /// The faces of a surface; `is_line` if they are edges of plane elements.
+    /// Makes the faces of a surface. `is_line` is true if they are edges of plane elements.
     pub fn all(
         faces: Vec<Vec<u32>>,
         is_line: bool,
@@ -55,7 +55,7 @@ impl MasterFace {
         length(minus(corner(0), corner(2))).min(length(minus(corner(1), corner(3))))
     }
 
-    /// Longest side of the bounding box.
+    /// The longest side of the bounding box of the face.
     fn size(&self) -> f64 {
         let (low, high) = self.bounds();
         (0..3).fold(0.0, |size: f64, k| size.max(high[k] - low[k]))
@@ -67,7 +67,7 @@ impl MasterFace {
         (self.points.iter().fold([f64::INFINITY; 3], low), self.points.iter().fold([f64::NEG_INFINITY; 3], high))
     }
 
-    /// Shape functions at the point of the face nearest to `x`, and the distance.
+    /// The values of the shape functions at the point of the face that is nearest to `x`, and the distance from it.
     fn project(&self, x: Vector) -> (Vec<f64>, f64) {
         let mut xi = self.shape.centre();
         for _ in 0..30 {
@@ -84,7 +84,7 @@ impl MasterFace {
                 [p / a.max(f64::MIN_POSITIVE), 0.0]
             };
             xi = self.shape.inside([xi[0] + step[0], xi[1] + step[1]]);
-            // Compares the clamped parameters: on an edge, only the part of the step along the edge counts.
+            // Compares parameters that are clamped to the face: on its edge, only the part of the step along the edge counts.
             if (xi[0] - before[0]).abs() + (xi[1] - before[1]).abs() < 1e-14 {
                 break;
             }
@@ -102,7 +102,7 @@ impl MasterFace {
     }
 }
 
-/// Faces sorted into cells of space, so that only faces near a point are compared.
+/// Sorts faces into the cells of a spatial grid, so that only faces near a point are compared.
 pub struct FaceGrid {
     cell: f64,
     cells: FxHashMap<[i64; 3], Vec<usize>>,
@@ -128,7 +128,7 @@ impl FaceGrid {
         x.map(|x| (x / self.cell).floor() as i64)
     }
 
-    /// The nearest face in the cell of a point; ties go to the first face.
+    /// The nearest point on the faces in the cell of x. If faces are equally near, the first one is taken. `None` if the cell has no faces.
     pub fn nearest(&self, faces: &[MasterFace], x: Vector) -> Option<NearestPoint> {
         let mut best: Option<NearestPoint> = None;
         for &face in self.cells.get(&self.cell(x))? {
@@ -141,9 +141,9 @@ impl FaceGrid {
     }
 }
 
-/// Shape functions of faces: corners first, then the middle nodes of the edges.
+/// Shape functions of faces. The corners come first, then the middle nodes of the edges.
 mod shape {
-    /// Shape of a face, by number of nodes.
+    /// The shape of a face and its number of nodes.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub enum FaceShape {
         Line2,
@@ -155,7 +155,7 @@ mod shape {
     }
 
     impl FaceShape {
-        /// The shape of a face with so many nodes.
+        /// The shape of a face with this number of nodes.
         pub fn with_nodes(nodes: usize, is_line: bool) -> Option<Self> {
             match (nodes, is_line) {
                 (2, _) => Some(Self::Line2),
@@ -176,7 +176,7 @@ mod shape {
             if self.is_triangle() { [1.0 / 3.0; 2] } else { [0.0; 2] }
         }
 
-        /// Parameters, clamped to the face.
+        /// The parameters s and t, clamped to the face.
         pub fn inside(self, [s, t]: [f64; 2]) -> [f64; 2] {
             match self {
                 Self::Line2 | Self::Line3 => [s.clamp(-1.0, 1.0), 0.0],
@@ -189,7 +189,7 @@ mod shape {
             }
         }
 
-        /// Shape functions and their derivatives.
+        /// The shape functions at the parameters s and t, and their derivatives by s and t.
         pub fn at(self, [s, t]: [f64; 2]) -> (Vec<f64>, [Vec<f64>; 2]) {
             match self {
                 Self::Line2 => (vec![0.5 - s / 2.0, 0.5 + s / 2.0], [vec![-0.5, 0.5], vec![0.0; 2]]),

@@ -1,8 +1,8 @@
-//! Rigid elements: `u_m = A_m A_n^-1 u_n`, where A holds the motion rows of the dependent (m) and of six independent (n)
-//! components; and rods of constant length, `n . (u_b - u_a) = 0`, where n is the direction of the rod.
+//! Rigid elements, `u_m = A_m A_n^-1 u_n`: A_m and A_n hold the motion rows (six coefficients, see `body`) of the dependent components u_m
+//! and of six independent components u_n. Rods of constant length, `n . (u_b - u_a) = 0`: n is the direction of the rod between a and b.
 //!
-//! `RBE2` has its six independent components at one grid point, `RBAR` at two, `RBE1` at up to six. If all are at one
-//! point, A_n is orthogonal and needs no factor.
+//! `RBE2` has its six independent components at one grid point, `RBAR` at two, `RBE1` at up to six. If all six are at one point, A_n is
+//! orthogonal and needs no factorization.
 
 use super::body::{CouplingEquation, MotionRow, Pose, Poses, centre_and_size, clean, product};
 use super::components::Components;
@@ -10,19 +10,19 @@ use super::dense::DenseFactor;
 use super::vector::{Vector, minus, unit};
 use crate::deck::{CardFault, Dof, Problem};
 
-/// Components of grid points, in the order of the card.
+/// Grid points and their components, in the order of the card.
 pub type NodeComponents = Vec<(u32, Components)>;
 
 /// A rigid element.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RigidElement {
-    /// Independent components; six in all.
+    /// The independent components, six in all.
     pub independent: NodeComponents,
     pub dependent: NodeComponents,
 }
 
 impl RigidElement {
-    /// The components `set` of the dependent nodes follow all components of one node.
+    /// A rigid element in which the components `set` of the dependent nodes follow all six components of one node.
     pub fn about(node: u32, dependent: impl IntoIterator<Item = u32>, set: Components) -> Self {
         let dependent = dependent.into_iter().map(|node| (node, set)).collect();
         Self { independent: vec![(node, Components::ALL)], dependent }
@@ -58,7 +58,7 @@ impl RigidElement {
         }
     }
 
-    /// One equation for each dependent component, with the coefficients that the closure returns.
+    /// One equation for each dependent component. The closure returns the coefficients of the independent ones.
     fn each_dependent(
         &self,
         poses: &impl Poses,
@@ -74,7 +74,7 @@ impl RigidElement {
     }
 }
 
-/// Independent components, with A_n^T factored. The size of the body converts rotations to lengths.
+/// The six independent components, with the transpose of their matrix A_n factored. `size` converts rotations to lengths.
 struct IndependentBody {
     components: Vec<Dof>,
     origin: Vector,
@@ -103,22 +103,22 @@ impl IndependentBody {
         if body.factor.is_regular() { Ok(body) } else { Err(CardFault::IndependentSingular.into()) }
     }
 
-    /// Motion row with components and motions converted to lengths.
+    /// The motion row of a component. The component and the rotations of the motion are converted to lengths.
     fn row(&self, pose: &Pose, component: u8) -> MotionRow {
         let [a, b, c, d, e, f] = pose.row(component, self.origin);
         [a, b, c, d / self.size, e / self.size, f / self.size].map(|x| x * self.unit(component))
     }
 
-    /// Coefficients of the independent components for a dependent one.
+    /// The coefficients of the independent components in the equation of a dependent one.
     fn coefficients(&self, pose: &Pose, component: u8) -> Vec<(Dof, f64)> {
-        // A nonsingular factor solves every system.
+        // A solution exists for every right-hand side, because the factored matrix is nonsingular.
         let solution = self.factor.solve(&self.row(pose, component)).unwrap_or_default();
         let largest = solution.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
         let value = |(&at, x): (&Dof, f64)| (at, clean(x, largest) * self.unit(at.component) / self.unit(component));
         self.components.iter().zip(solution).map(value).collect()
     }
 
-    /// Factor that converts a component to a length.
+    /// The factor that converts a component to a length.
     fn unit(&self, component: u8) -> f64 {
         if component > 3 { self.size } else { 1.0 }
     }
@@ -132,7 +132,7 @@ pub struct RigidRod {
 }
 
 impl RigidRod {
-    /// The equation, divided by the coefficient of the dependent component.
+    /// The equation of the rod, divided by the coefficient of the dependent component.
     pub fn equation(&self, poses: &impl Poses) -> Result<CouplingEquation, Problem> {
         let [a, b] = self.ends;
         let (pose_a, pose_b) = (poses.pose(a)?, poses.pose(b)?);
@@ -213,7 +213,7 @@ mod tests {
         assert_eq!(refused(&[(1, "123456")], &[]), CardFault::NothingConnected.into());
     }
 
-    /// Node k at x = 2 (k - 1), with global axes.
+    /// Poses of nodes on a line: node k at x = 2 (k - 1), with global axes.
     struct Straight;
 
     impl Poses for Straight {

@@ -18,8 +18,7 @@ pub fn plus(a: Vector, b: Vector) -> Vector {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
-/// Difference of two points. A component that is only a rounding error of the coordinates becomes 0, so that points of
-/// one plane stay in it.
+/// The difference of two points. A component that is only a rounding error becomes 0, so that points of a plane `x_k = const` stay in it.
 pub fn minus(a: Vector, b: Vector) -> Vector {
     let rounding = 4.0 * f64::EPSILON * (largest(a) + largest(b));
     std::array::from_fn(|k| {
@@ -28,12 +27,12 @@ pub fn minus(a: Vector, b: Vector) -> Vector {
     })
 }
 
-/// Largest absolute component.
+/// The largest absolute component of a vector.
 pub fn largest(a: Vector) -> f64 {
     a.iter().fold(0.0, |m: f64, x| m.max(x.abs()))
 }
 
-/// |a|, without overflow.
+/// The length |a|, without overflow.
 pub fn length(a: Vector) -> f64 {
     a[0].hypot(a[1]).hypot(a[2])
 }

@@ -40,7 +40,7 @@ pub(super) use reader::read;
 use crate::deck::Deck;
 use model::mesh::{DynaMesh, SetKind};
 
-/// The definitions of a deck, read again; none if they cannot be read.
+/// Reads the definitions of a deck again. There are none if this fails.
 fn mesh(deck: &Deck) -> DynaMesh {
     deck.again(reader::mesh).unwrap_or_default()
 }
@@ -50,7 +50,7 @@ pub(super) fn positions(deck: &Deck) -> HashMap<u32, [f64; 3]> {
     mesh(deck).nodes.into_iter().collect()
 }
 
-/// Nodes of a set, which is named by its number.
+/// The nodes of the set with this number, if it exists.
 pub(super) fn node_set(deck: &Deck, name: &str) -> Option<Vec<u32>> {
     mesh(deck).sets.remove(&(SetKind::Node, name.parse().ok()?))?.ok()
 }

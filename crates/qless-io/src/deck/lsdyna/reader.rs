@@ -1,4 +1,4 @@
-//! Builds the model: definitions first, then rigid bodies, then the constraints in the order of the deck.
+//! Builds the model: first the definitions, then the rigid bodies, then the constraints in the order of the deck.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -43,16 +43,17 @@ struct LsDynaReader {
     is_linearised: bool,
 }
 
-/// How the lines of a card are read: lines of a group, without its title, and the function.
+/// How a card is read: the number of lines in a group, without its title, and the function that reads the group.
 type CardReader = (usize, ReadGroup);
 
-/// The whole card is one group.
+/// Number of lines that stands for a card that is one single group.
 const WHOLE: usize = usize::MAX;
 
-/// What is left out if the lines that follow are not understood either.
+/// What a message says is left out if the lines that follow are not understood either.
 const REST: &str = "left out, with the rest of the card";
 
-/// The reader of a keyword without `_ID` and `_TITLE`. The lines of a `*PART` depend on its options: see [`part_lines`].
+/// How a card with this keyword is read; `None` for other keywords. The name comes without `_ID` and `_TITLE`. For the lines of a `*PART`,
+/// see [`part_lines`].
 fn card_reader(name: &str) -> Option<CardReader> {
     Some(match name {
         "NODE" => (1, prescribed::node),
@@ -79,7 +80,7 @@ fn card_reader(name: &str) -> Option<CardReader> {
     })
 }
 
-/// Groups of lines of a card without their titles. Groups of blank lines are left out.
+/// Splits the lines of a card into groups of `count` lines, without the titles. Groups that consist of blank lines are left out.
 fn groups<'a>(card: &'a DynaCard, parameters: &'a Parameters, count: usize) -> impl Iterator<Item = Vec<DynaLine<'a>>> {
     let before = usize::from(["_ID", "_TITLE"].iter().any(|title| card.keyword.ends_with(title)));
     let mut lines = card.lines(parameters).peekable();
@@ -109,7 +110,7 @@ impl LsDynaReader {
             .try_for_each(|card| self.all.mesh.note(card, &cards.parameters).map_err(|fault| self.error(card, fault)))
     }
 
-    /// Adds the rigid bodies, which cards may name before their definition.
+    /// Adds all rigid bodies before other cards are read, because cards may name a body before its definition.
     fn add_bodies(&mut self, cards: &DynaCards) -> Result<(), DeckError> {
         let path = self.model.files[0].clone();
         let whole = |problem| DeckError { path, line: 0, card: "*PART".into(), field: None, problem };
@@ -144,7 +145,8 @@ impl LsDynaReader {
         Ok(())
     }
 
-    /// Reads a group of lines. Leaves it out if it needs what this reader does not read; returns whether more groups may follow.
+    /// Reads a group of lines. Leaves it out if it needs something that this reader does not read. Returns whether more groups of the card
+    /// may follow.
     fn group(&mut self, card: &DynaCard, lines: &[DynaLine], read: ReadGroup) -> Result<bool, DeckError> {
         let [first, ..] = lines else { return Ok(true) };
         let (why, which) = match read(lines, &mut self.all) {
@@ -162,7 +164,7 @@ impl LsDynaReader {
         Ok(which != REST)
     }
 
-    /// Adds equations and values to the model.
+    /// Adds the equations and the prescribed values of a group to the model.
     fn add(&mut self, card: &DynaCard, lines: &[DynaLine], made: GroupMeaning) {
         let (line, last) = (lines[0].number, lines.last().map_or(0, |line| line.number));
         self.is_linearised |= made.is_linearised;
@@ -187,7 +189,7 @@ impl LsDynaReader {
         }
     }
 
-    /// Leaves out translations that are prescribed at a centre of mass which the deck does not give, unless the body cannot rotate.
+    /// Leaves out translations that are prescribed at a centre of mass if the deck does not give the centre and the body can rotate.
     fn check_centres(&mut self) {
         let is_fixed = |dof| self.prescribed.get(&dof).is_some_and(|given| given.value == 0.0);
         let turns = |node: &u32| (4..=6).any(|component| !is_fixed(Dof { node: *node, component }));

@@ -1,6 +1,6 @@
-//! Constraints of a model: DOFs, equations, load cases, warnings, and their origin in the deck.
+//! The parts of a model: DOFs, equations, load cases and warnings, with their origin in the deck.
 
-/// A component of a node; reports show `node:component`.
+/// A component of a node. Reports show it as `node:component`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Dof {
     /// The node's number in the deck.
@@ -15,7 +15,7 @@ impl std::fmt::Display for Dof {
     }
 }
 
-/// Origin in the deck: a card and its lines.
+/// Where something comes from in the deck: a card and its lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Origin {
     /// Index into [`Model::cards`](super::Model::cards).
@@ -26,16 +26,16 @@ pub struct Origin {
     pub lines: u32,
 }
 
-/// An equation `sum a_j u_j = rhs`. In formats that name a slave, it is the first term.
+/// An equation `sum a_j u_j = rhs`. In formats with slaves, the first term is the slave.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DeckEquation<'a> {
-    /// Columns: indices into [`Model::dofs`](super::Model::dofs).
+    /// The columns of the terms, which are indices into [`Model::dofs`](super::Model::dofs).
     pub columns: &'a [u32],
-    /// Coefficients, in the order of `columns`; zeros included.
+    /// The coefficients a_j, in the order of `columns`. Some may be zero.
     pub coefficients: &'a [f64],
     /// The right-hand side.
     pub rhs: f64,
-    /// Origin of the equation.
+    /// Where the equation comes from.
     pub origin: Origin,
 }
 
@@ -44,40 +44,40 @@ pub struct DeckEquation<'a> {
 pub struct Prescribed {
     /// The DOF.
     pub dof: Dof,
-    /// Value at the end of the load case. At time `t` it is multiplied by the time history.
+    /// The value at the end of the load case. At any time it is this value times the time history.
     pub value: f64,
-    /// Time history: index into [`Model::histories`](super::Model::histories).
+    /// The time history, as an index into [`Model::histories`](super::Model::histories).
     pub history: u32,
-    /// Origin of the value.
+    /// Where the value comes from.
     pub origin: Origin,
 }
 
-/// A loaded DOF.
+/// A DOF on which a load acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Load {
     /// The DOF.
     pub dof: Dof,
-    /// Origin of the load.
+    /// Where the load comes from.
     pub origin: Origin,
 }
 
-/// A step or a subcase.
+/// A load case: a step or a subcase.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoadCase {
-    /// `step 1`, `subcase 2`.
+    /// The name of the load case, such as `step 1` or `subcase 2`.
     pub name: String,
-    /// Prescribed DOFs, ascending, each once.
+    /// The prescribed DOFs, ascending, each once.
     pub prescribed: Vec<Prescribed>,
-    /// Other values for DOFs of `prescribed`; they contradict the values there.
+    /// Second values for DOFs that are already in `prescribed`; they contradict the values there.
     pub clashes: Vec<Prescribed>,
-    /// Loads.
+    /// The loads that act in this load case.
     pub loads: Vec<Load>,
-    /// Equations that are not in force, ascending.
+    /// The equations that are not in force in this load case, ascending.
     pub removed: Vec<u32>,
 }
 
 impl LoadCase {
-    /// Whether another load case constrains the same; loads are ignored.
+    /// Whether another load case has the same prescribed values and the same equations. Loads are not compared.
     pub fn constrains_as(&self, other: &Self) -> bool {
         self.prescribed == other.prescribed && self.clashes == other.clashes && self.removed == other.removed
     }
@@ -88,7 +88,7 @@ impl LoadCase {
 pub struct Warning {
     /// Index into [`Model::files`](super::Model::files).
     pub file: u32,
-    /// The line, from 1; 0 if it concerns no line.
+    /// The line, from 1; 0 if the message concerns no single line.
     pub line: u32,
     /// The message: one sentence.
     pub text: String,
@@ -96,13 +96,13 @@ pub struct Warning {
     pub leaves_out: bool,
 }
 
-/// Properties of a whole deck that change a solver's behaviour.
+/// Properties of a whole deck that affect how a solver behaves.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct DeckTraits {
     /// Whether some nodes have local axes.
     pub(crate) has_local_axes: bool,
     /// Whether a step is geometrically nonlinear.
     pub(crate) is_nonlinear: bool,
-    /// Whether a kinematic coupling has its own axes.
+    /// Whether a kinematic coupling has axes of its own (`ORIENTATION`).
     pub(crate) has_oriented_couplings: bool,
 }

@@ -14,9 +14,9 @@ impl Model {
         self.dofs.reserve_exact(terms);
     }
 
-    /// Frees memory reserved for DOFs: usually there are fewer DOFs than terms.
+    /// Frees unused memory for DOFs: `reserve` allows one DOF for each term, but usually there are fewer.
     pub(crate) fn shrink(&mut self) {
-        // Freeing little is not worth the copy.
+        // A small gain is not worth the copy.
         if self.dofs.len() < self.dofs.capacity() / 2 {
             self.dofs.shrink_to_fit();
         }
@@ -44,14 +44,14 @@ impl Model {
         }
     }
 
-    /// Makes term `at` of an equation its slave, by an exchange with the first term.
+    /// Exchanges term `at` of an equation with the first one, and so makes it the slave.
     pub(crate) fn lead(&mut self, equation: usize, at: usize) {
         let start = if equation == 0 { 0 } else { self.ends[equation - 1] as usize };
         self.terms.columns.swap(start, start + at);
         self.terms.coefficients.swap(start, start + at);
     }
 
-    /// Records that the solver does not make an equation, and why.
+    /// Records that the solver does not make this equation, and why.
     pub(crate) fn mark_missing(&mut self, equation: usize, why: &'static str) {
         self.missing.insert(equation, why);
     }
@@ -66,29 +66,29 @@ impl Model {
         self.warnings.push(Warning { file, line, text: text.into(), leaves_out: false });
     }
 
-    /// Records a card that stops the solver.
+    /// Records that a card stops the solver.
     pub(crate) fn refuse(&mut self, file: u32, line: u32, text: impl Into<String>) {
         self.refusals.push(Warning { file, line, text: text.into(), leaves_out: false });
     }
 
-    /// Records a card that constrains but is left out.
+    /// Records that a card constrains but is left out.
     pub(crate) fn leave_out(&mut self, file: u32, line: u32, text: impl Into<String>) {
         self.warnings.push(Warning { file, line, text: text.into(), leaves_out: true });
     }
 
-    /// Sets the DOFs that cards claim and that cannot be slaves.
+    /// Sets the DOFs that cards claim, so that these cannot be slaves.
     pub(crate) fn claim(&mut self, mut claims: Vec<(Dof, Origin)>) {
         claims.sort_by_key(|(dof, _)| *dof);
         claims.dedup_by_key(|(dof, _)| *dof);
         self.claims = claims;
     }
 
-    /// Records that the solver enforces the equations of a card by multipliers.
+    /// Records that the solver enforces the equations of a card by multipliers, so that they have no slaves.
     pub(crate) fn keep_by_multipliers(&mut self, card: u32) {
         self.without_slaves.insert(card);
     }
 
-    /// Number of the time history of this name.
+    /// The index of the time history with this name; adds the history if it is new.
     pub(crate) fn history(&mut self, name: &str) -> u32 {
         let known = self.histories.iter().position(|known| known == name);
         let at = known.unwrap_or_else(|| {
@@ -98,17 +98,18 @@ impl Model {
         at as u32 + 1
     }
 
-    /// Names the nodes of an instance, from `first` on, by their numbers in it.
+    /// Gives names to the nodes of an instance, which are numbered from `first` on. A name consists of the instance and the node's number
+    /// in it.
     pub(crate) fn name_nodes(&mut self, first: u32, instance: String, own: Vec<u32>) {
         self.names.insert(first, RunNames::Instance(instance, own));
     }
 
-    /// Names a node.
+    /// Gives a name to a node.
     pub(crate) fn name_node(&mut self, node: u32, name: String) {
         self.names.insert(node, RunNames::One(name));
     }
 
-    /// Records DOFs that a card may claim although it is left out.
+    /// Records the DOFs that a left out card may claim.
     pub(crate) fn claim_left_out(&mut self, dofs: impl IntoIterator<Item = Dof>, origin: Origin) {
         self.left_out_claims.extend(dofs.into_iter().map(|dof| (dof, origin)));
         self.left_out_claims.sort_by_key(|(dof, origin)| (*dof, origin.card, origin.line));

@@ -1,4 +1,4 @@
-//! Constraints of a deck of any format: equations, prescribed values by load case, and their origins.
+//! The constraints of a deck of any format: equations, the prescribed values of each load case, and where both come from.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -26,32 +26,31 @@ pub struct Model {
     pub(crate) cases: Vec<LoadCase>,
     pub(crate) warnings: Vec<Warning>,
     pub(crate) refusals: Vec<Warning>,
-    /// Rotations that the solver adds for rigid bodies and that a new node can carry, each by the first of its three components.
+    /// Rotations that the solver adds for rigid bodies and that a new node can carry. Each is given by the first of its three components.
     pub(crate) own_rotations: BTreeSet<Dof>,
     pub(crate) traits: DeckTraits,
-    /// Whether load cases are independent, so that none inherits from earlier ones.
+    /// Whether load cases are independent: none inherits values from earlier ones.
     pub(crate) has_separate_cases: bool,
-    /// Names of the time histories after the first.
+    /// The names of the time histories, without the first one, which has no name.
     histories: Vec<String>,
     names: NodeNames,
-    /// DOFs that cards left out may claim, ascending.
+    /// DOFs that cards may claim which are left out, ascending.
     left_out_claims: Vec<(Dof, Origin)>,
-    /// DOFs that cards claim and that cannot be slaves, ascending.
+    /// DOFs that cards claim, so that they cannot be slaves; ascending.
     claims: Vec<(Dof, Origin)>,
-    /// Nodes with local axes. If one of their DOFs is prescribed, the slaves that ccx chooses there cannot be
-    /// predicted.
+    /// Nodes with local axes. If a value is prescribed at such a node, the slaves that ccx chooses there cannot be predicted.
     pub(crate) nodes_with_axes: BTreeSet<u32>,
-    /// Whether the solver may fail to add up terms of an equation with the same DOF.
+    /// Whether the solver may fail to add up two terms of an equation that have the same DOF.
     pub(crate) keeps_repeated_terms: bool,
-    /// Cards whose equations the solver enforces by multipliers, without slaves.
+    /// Cards whose equations have no slaves, because the solver enforces them by multipliers.
     without_slaves: BTreeSet<u32>,
-    /// Equations that the solver does not make, and why.
+    /// Equations that the solver does not make, each with the reason.
     missing: BTreeMap<usize, &'static str>,
     columns: ColumnMap,
     terms: TermStorage,
-    /// End of each equation in `terms`.
+    /// For each equation, the end of its terms in `terms`.
     ends: Vec<u32>,
-    /// Right-hand sides, up to the last nonzero one.
+    /// The right-hand sides of the equations, up to the last one that is not zero.
     rhs: Vec<f64>,
     runs: Vec<OriginRun>,
 }
@@ -72,22 +71,22 @@ impl Model {
         &self.cards
     }
 
-    /// DOFs that occur in equations, by column.
+    /// The DOFs that occur in equations. The index of a DOF is its column.
     pub fn dofs(&self) -> &[Dof] {
         &self.dofs
     }
 
-    /// Load cases; at least one.
+    /// The load cases, at least one.
     pub fn cases(&self) -> &[LoadCase] {
         &self.cases
     }
 
-    /// Warnings: cards not understood, or equations that are not exact.
+    /// Warnings, for example that a card is not understood or that equations are not exact.
     pub fn warnings(&self) -> &[Warning] {
         &self.warnings
     }
 
-    /// Reasons for the solver to stop when it reads the deck, regardless of its equations.
+    /// Messages about cards at which the solver stops when it reads the deck, whatever their equations are.
     ///
     /// ```
     /// # let place = tempfile::tempdir()?;
@@ -101,13 +100,14 @@ impl Model {
         &self.refusals
     }
 
-    /// Names of the time histories of prescribed values. The first one is the solver's standard history, without a
-    /// name; the others are amplitudes.
+    /// Names of the time histories of prescribed values. The first one is the solver's standard history and has no name. The others are
+    /// amplitudes.
     pub fn histories(&self) -> impl Iterator<Item = Option<&str>> {
         std::iter::once(None).chain(self.histories.iter().map(|name| Some(name.as_str())))
     }
 
-    /// Constraints that were left out. If there are any, results for the constraints that were read may not hold for the whole deck.
+    /// Warnings about constraints that were left out. If there are any, results for the constraints that were read may not hold for the
+    /// whole deck.
     pub fn left_out(&self) -> impl Iterator<Item = &Warning> {
         self.warnings.iter().filter(|warning| warning.leaves_out)
     }
@@ -122,7 +122,7 @@ impl Model {
         self.terms.columns.len()
     }
 
-    /// Equation `i`, from 0, if it exists.
+    /// Equation `i`, from 0; `None` if it does not exist.
     pub fn equation(&self, i: usize) -> Option<DeckEquation<'_>> {
         (i < self.equations()).then(|| self.nth(i))
     }
@@ -139,17 +139,17 @@ impl Model {
         }
     }
 
-    /// The column of a DOF, if it occurs in an equation.
+    /// The column of a DOF; `None` if the DOF occurs in no equation.
     pub fn column(&self, dof: Dof) -> Option<u32> {
         self.columns.get(dof)
     }
 
-    /// Origin of the claim on a DOF that cannot be a slave, as with Nastran's `ASET`.
+    /// The card, with its line, that claims a DOF which therefore cannot be a slave, such as Nastran's `ASET`. `None` if no card does.
     pub fn claimed(&self, dof: Dof) -> Option<Origin> {
         self.claims.binary_search_by_key(&dof, |(claimed, _)| *claimed).ok().map(|at| self.claims[at].1)
     }
 
-    /// Whether another card claims a DOF, so that it must not become a slave of new equations.
+    /// Whether another card claims a DOF, also a card that is left out. The DOF must not become the slave of a new equation.
     pub(crate) fn is_claimed(&self, dof: Dof) -> bool {
         let is_left_out = || self.left_out_claims.binary_search_by_key(&dof, |(claimed, _)| *claimed).is_ok();
         self.claimed(dof).is_some() || is_left_out()
@@ -160,24 +160,23 @@ impl Model {
         self.without_slaves.is_empty() || !self.without_slaves.contains(&self.nth(i).origin.card)
     }
 
-    /// Why the solver does not make equation `i`, if it does not.
+    /// Why the solver does not make equation `i`; `None` if it does.
     pub(crate) fn why_missing(&self, i: usize) -> Option<&'static str> {
         self.missing.get(&i).copied()
     }
 
-    /// DOFs that cards left out may claim, ascending, with the origins of the claims. New equations must not have them
-    /// as slaves.
+    /// DOFs that left out cards may claim, ascending, each with the origin of the claim. New equations must not have them as slaves.
     pub fn left_out_claims(&self) -> &[(Dof, Origin)] {
         &self.left_out_claims
     }
 
-    /// Equations in force in a load case, by number.
+    /// The indices of the equations that are in force in a load case.
     pub fn in_force(&self, case: &LoadCase) -> impl Iterator<Item = usize> + '_ {
         let removed = case.removed.clone();
         (0..self.equations()).filter(move |&i| removed.binary_search(&(i as u32)).is_err())
     }
 
-    /// Columns prescribed in any of these load cases, with the origin of the value.
+    /// The columns that are prescribed in any of these load cases, each with the origin of its value.
     pub(crate) fn prescribed_in<'a>(&self, cases: impl IntoIterator<Item = &'a LoadCase>) -> FxHashMap<u32, Origin> {
         let mut prescribed = FxHashMap::default();
         for given in cases.into_iter().flat_map(|case| &case.prescribed) {
@@ -188,8 +187,8 @@ impl Model {
         prescribed
     }
 
-    /// The DOF itself; or, for a translation of a node with local axes, component 0, which stands for all three global
-    /// translations.
+    /// Returns the DOF itself, except for a translation of a node with local axes. That becomes component 0, which stands for all three
+    /// global translations of the node.
     pub(crate) fn as_global(&self, dof: Dof) -> Dof {
         let has_axes = (1..=3).contains(&dof.component) && self.nodes_with_axes.contains(&dof.node);
         if has_axes { Dof { component: 0, ..dof } } else { dof }

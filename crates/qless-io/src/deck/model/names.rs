@@ -1,4 +1,4 @@
-//! Names of nodes, DOFs, equations and places, as in the deck.
+//! Names nodes, DOFs, equations and places as the deck does.
 
 use std::path::{Path, PathBuf};
 
@@ -6,7 +6,7 @@ use super::{Dof, Model, Origin, Warning};
 use crate::deck::{DeckError, Problem};
 
 impl Model {
-    /// Name of a node in the deck: `Part-1-1.12`, or simply its number.
+    /// The name of a node in the deck: its number, or for a node of an instance a name such as `Part-1-1.12`.
     ///
     /// ```
     /// # let place = tempfile::tempdir()?;
@@ -19,7 +19,7 @@ impl Model {
         self.names.get(node).unwrap_or_else(|| node.to_string())
     }
 
-    /// Name of a DOF in the deck: `Part-1-1.12:3`.
+    /// The name of a DOF in the deck, such as `Part-1-1.12:3`.
     pub fn dof_name(&self, dof: Dof) -> String {
         match self.names.get(dof.node) {
             Some(name) => format!("{name}:{}", dof.component),
@@ -27,13 +27,13 @@ impl Model {
         }
     }
 
-    /// Whether nodes belong to instances, so that their numbers do not occur in the deck's text.
+    /// Whether some nodes belong to instances. The numbers of such nodes do not occur in the text of the deck.
     pub fn has_instances(&self) -> bool {
         self.names.has_instances()
     }
 
-    /// Line and card of an origin: `line 41 *EQUATION` in the main file, `part.inc:41 *EQUATION` in others. An origin
-    /// of another model gives the line alone.
+    /// The line and the card of an origin: `line 41 *EQUATION` in the main file, `part.inc:41 *EQUATION` in an included file. If the card
+    /// is not in this model, the line alone.
     pub fn place(&self, origin: Origin) -> String {
         let Some(card) = self.cards.get(origin.card) else { return format!("line {}", origin.line) };
         let path = self.files.get(card.file as usize).map(PathBuf::as_path);
@@ -44,7 +44,7 @@ impl Model {
         }
     }
 
-    /// Place of a warning: `line 41`, or `part.inc:41` in included files.
+    /// The place of a warning: `line 41` in the main file, or `part.inc:41` in an included file.
     pub fn place_of(&self, warning: &Warning) -> String {
         let path = self.files.get(warning.file as usize).filter(|_| warning.file > 0);
         match path.and_then(|path| path.file_name()) {
@@ -53,12 +53,12 @@ impl Model {
         }
     }
 
-    /// Label of equation `i`, if it exists: its place and its first DOF, as in `line 41 *EQUATION 6:3`.
+    /// The label of equation `i`: its place and its first DOF, as in `line 41 *EQUATION 6:3`. `None` if the equation does not exist.
     pub fn label(&self, i: usize) -> Option<String> {
         (i < self.equations()).then(|| self.label_of(i))
     }
 
-    /// Label of equation `i`, which must exist.
+    /// The label of equation `i`, which must exist.
     pub(crate) fn label_of(&self, i: usize) -> String {
         let equation = self.nth(i);
         let place = self.place(equation.origin);
@@ -68,7 +68,7 @@ impl Model {
         }
     }
 
-    /// An error at a line of a card.
+    /// Makes an error at a line of a card.
     pub(crate) fn error(&self, origin: Origin, field: Option<usize>, problem: Problem) -> DeckError {
         let card = self.cards.nth(origin.card);
         let path = self.files[card.file as usize].clone();
@@ -76,14 +76,14 @@ impl Model {
     }
 }
 
-/// Names of nodes by number.
+/// The names of nodes, which are looked up by node number.
 #[derive(Clone, Debug, Default)]
 pub(super) struct NodeNames {
-    /// Runs of consecutive named nodes, ascending by the number of their first node.
+    /// Runs of consecutive nodes with names, ascending by the number of their first node.
     runs: Vec<NameRun>,
 }
 
-/// Names of consecutive nodes from `first` on.
+/// The names of consecutive nodes, the first of which has the number `first`.
 #[derive(Clone, Debug)]
 struct NameRun {
     first: u32,
@@ -92,9 +92,9 @@ struct NameRun {
 
 #[derive(Clone, Debug)]
 pub(super) enum RunNames {
-    /// An instance, and the numbers of its nodes within it.
+    /// The nodes belong to an instance with this name; the list holds their numbers within it.
     Instance(String, Vec<u32>),
-    /// Name of a single node.
+    /// The run is a single node with this name.
     One(String),
 }
 
@@ -105,7 +105,7 @@ impl NodeNames {
         self.runs.insert(at, NameRun { first, names });
     }
 
-    /// Name of a node, if it has one.
+    /// The name of a node; `None` if it has none.
     pub fn get(&self, node: u32) -> Option<String> {
         let run = &self.runs[self.runs.partition_point(|run| run.first <= node).checked_sub(1)?];
         let k = (node - run.first) as usize;

@@ -1,20 +1,21 @@
-//! Compact storage of a model: columns by DOF, terms, and origins of equations.
+//! Stores a model compactly: the column of each DOF, the terms, and the origins of equations.
 
 use rustc_hash::FxHashMap;
 
 use super::constraints::{Dof, Origin};
 use crate::deck::paged_list::PagedList;
 
-/// Consecutive nodes in a page.
+/// Number of consecutive nodes in a page.
 const PAGE: u32 = 16;
 const NONE: u32 = u32::MAX;
 
-/// A map from DOFs to columns. DOFs of the same component at consecutive nodes share a page; only pages are hashed.
+/// A map from DOFs to columns. DOFs with the same component at consecutive nodes share a page. Only pages are hashed, which is faster.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ColumnMap {
     pages: FxHashMap<(u32, u8), u32>,
     entries: PagedList<[u32; PAGE as usize]>,
-    /// Pages used last, by position in the equation and by component: the next equation often uses the same ones.
+    /// The pages that were used last, by position of the term in its equation and by component. The next equation often uses the same
+    /// pages.
     last: [Option<((u32, u8), u32)>; 16],
 }
 
@@ -26,7 +27,8 @@ impl ColumnMap {
         (column != NONE).then_some(column)
     }
 
-    /// The column of a DOF; assigns `next` to a new DOF. `position` is that of its term in the equation.
+    /// The column of a DOF. A new DOF gets the column `next`. `position` is the index of its term in the equation, which finds the page
+    /// faster.
     pub fn get_or_insert(&mut self, dof: Dof, next: u32, position: usize) -> u32 {
         let key = key(dof);
         let slot = position % 4 * 4 + usize::from(dof.component % 4);
@@ -54,7 +56,8 @@ fn key(dof: Dof) -> (u32, u8) {
     (dof.node / PAGE, dof.component)
 }
 
-/// A run of equations: the origin of equation `first + k` is `origin` moved by `k * stride` lines and `k * cards` cards.
+/// A run of equations with regular origins. The origin of equation `first + k` is `origin` moved by `k * stride` lines and `k * cards`
+/// cards.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OriginRun {
     pub first: u32,

@@ -1,9 +1,8 @@
-//! `C u = b` of a load case: at its end, and for each time history of its prescribed values.
+//! Makes `C u = b` of a load case: for its end, and for each time history of its prescribed values.
 //!
-//! Values with different time histories have no fixed ratio. The equations are therefore consistent at all times only
-//! if they are consistent for the values of each history alone, with all others zero. The converse holds because a sum
-//! of consistent right-hand sides is consistent. One test at the end does not suffice: values may cancel at one time
-//! and conflict at all others.
+//! Values with different time histories have no fixed ratio. So the equations are consistent at all times only if they are consistent for
+//! the values of each history alone, with all other values zero. The converse also holds, because a sum of consistent right-hand sides is
+//! consistent. One test at the end does not suffice: values may cancel at one time and conflict at all others.
 
 use std::borrow::Borrow;
 
@@ -12,8 +11,9 @@ use qless::{Analysis, ConstraintSystem, Kind, SystemBuilder, SystemError};
 use super::{Dof, LoadCase, Model, Prescribed};
 
 impl Model {
-    /// `C u = b` of a load case, with labels in the deck's terms. Rows: equations in force, then values that
-    /// contradict others. Columns: the DOFs in them. Values are those at the end of the load case.
+    /// The system `C u = b` of a load case, labelled as in the deck. Its rows are the equations in force, then one row for each value that
+    /// contradicts another one. Its columns are all DOFs of the model's equations and of these values. Prescribed values are those at the
+    /// end of the load case.
     ///
     /// # Errors
     /// [`SystemError`] if coefficients of one DOF in one equation overflow when summed.
@@ -21,8 +21,9 @@ impl Model {
         self.system_with(case, true, |given| given.value)
     }
 
-    /// Time histories of the nonzero prescribed values of a load case, as indices into [`Model::histories`], ascending.
-    /// If there are several, [`Model::system_of_history`] of each must be consistent, and so must [`Model::system`].
+    /// The time histories of the nonzero prescribed values of a load case, as indices into [`Model::histories`], ascending. If there are
+    /// several, the equations are consistent at all times only if [`Model::system`] and [`Model::system_of_history`] of each history are
+    /// consistent.
     pub fn histories_of(&self, case: &LoadCase) -> Vec<u32> {
         let moved = case.prescribed.iter().chain(&case.clashes).filter(|given| given.value != 0.0);
         let mut histories: Vec<u32> = moved.map(|given| given.history).collect();
@@ -31,8 +32,8 @@ impl Model {
         histories
     }
 
-    /// [`Model::system`] with the values of one time history alone. All other values are zero. The right-hand sides of
-    /// equations are kept for the first history of the load case only.
+    /// Like [`Model::system`], but with the values of one time history alone: all other values are zero. Right-hand sides of equations are
+    /// kept only for the first history of the load case, and are zero for the others.
     ///
     /// # Errors
     /// As [`Model::system`].
@@ -41,7 +42,7 @@ impl Model {
         self.system_with(case, has_rhs, |given| if given.history == history { given.value } else { 0.0 })
     }
 
-    /// [`Model::system_of_history`] for a time history, [`Model::system`] for `None`.
+    /// Returns [`Model::system_of_history`] for a time history, and [`Model::system`] for `None`.
     ///
     /// # Errors
     /// As [`Model::system`].
@@ -50,8 +51,9 @@ impl Model {
     }
 
     /// Analyses a load case at its end. If equations are redundant there and prescribed values have several time histories, also analyses
-    /// the values of each history alone. Returns the first history whose values conflict although all values at the end do not, and its
-    /// analysis; else `None` and the analysis at the end. `analyse` gets the argument of [`Model::system_at`].
+    /// the values of each history alone. If the values of some history conflict, although all values at the end do not, returns the first
+    /// such history and its analysis. Otherwise returns `None` and the analysis at the end. `analyse` receives the history for
+    /// [`Model::system_at`].
     ///
     /// # Errors
     /// Those of `analyse`.
@@ -63,7 +65,7 @@ impl Model {
         let conflicts = |analysis: &Analysis| analysis.dependent().iter().any(|found| found.kind == Kind::Conflicting);
         let at_end = analyse(None)?;
         let (histories, found) = (self.histories_of(case), at_end.borrow());
-        // Independent equations are consistent with every right-hand side.
+        // If all equations are independent, they are consistent with every right-hand side, so this test is not needed.
         if histories.len() > 1 && !found.dependent().is_empty() && !conflicts(found) {
             for history in histories {
                 let alone = analyse(Some(history))?;
@@ -86,7 +88,7 @@ impl Model {
             Some(j) => Some(j as usize),
             None => extra.binary_search(&dof).ok().map(|k| self.dofs.len() + k),
         };
-        // A system needs at least one DOF: a deck without constraints gets a free one.
+        // A system needs at least one DOF. A deck without constraints gets a free one.
         let dofs = self.dofs.len() + extra.len();
         let mut builder = SystemBuilder::new(dofs.max(1));
         for i in self.in_force(case) {
@@ -110,7 +112,7 @@ impl Model {
         builder.build()
     }
 
-    /// DOFs with clashing values that occur in no equation.
+    /// The DOFs that have contradicting values but occur in no equation.
     fn clashing_alone(&self, case: &LoadCase) -> Vec<Dof> {
         let clashing = case.clashes.iter().map(|clash| clash.dof);
         let mut alone: Vec<Dof> = clashing.filter(|&dof| self.column(dof).is_none()).collect();
@@ -129,7 +131,7 @@ mod tests {
     use super::*;
     use crate::deck::Origin;
 
-    /// `u1 = u2`, with these values prescribed in these time histories.
+    /// A model of `u1 = u2` in which both DOFs have prescribed values. Each pair holds a value and its time history.
     fn two_ends(values: [(f64, u32); 2]) -> (Model, LoadCase) {
         let mut model = Model::new(vec![PathBuf::from("ends.inp")]);
         let card = model.card("*EQUATION", 0, 1);

@@ -11,7 +11,7 @@ use super::syntax::fields::continues;
 use super::syntax::lines::{DeckLine, FileLine, IncludeLine, LineVisitor, keyword, walk};
 use crate::deck::{DeckError, Problem, Sources};
 
-/// Reads all lines of a deck.
+/// Reads all lines of a deck into its content.
 pub fn read(sources: &mut Sources) -> Result<NastranContent, DeckError> {
     let section = first_section(sources)?;
     let cards = CardAssembly::new(sources.solver());
@@ -34,7 +34,7 @@ impl LineVisitor for NastranReader {
         if self.section != DeckSection::Bulk {
             return Ok(false);
         }
-        // MYSTRAN refuses coefficients that the fast path accepts.
+        // Coefficients of `MPC` take the general path for MYSTRAN, which refuses some that the fast path accepts.
         if self.cards.bulk.is_mystran && line.text.starts_with(b"MPC") {
             return Ok(false);
         }
@@ -63,7 +63,7 @@ impl LineVisitor for NastranReader {
         self.landmarks.includes.push(include);
     }
 
-    /// Continues without an unreadable file of executive control, because it holds procedures, not constraints.
+    /// If an included file of executive control cannot be read, continues without it: such files hold procedures, not constraints.
     fn unreadable(&mut self, at: FileLine, error: DeckError) -> Result<(), DeckError> {
         if self.section != DeckSection::Executive || !matches!(error.problem, Problem::Include { .. }) {
             return Err(error);
@@ -100,7 +100,7 @@ impl NastranReader {
         self.landmarks.control = Some((line.file, line.number + 1));
     }
 
-    /// `BEGIN BULK`, or `BEGIN` of another section of bulk data.
+    /// Handles `BEGIN BULK`, and `BEGIN` of another section of bulk data.
     fn begin(&mut self, rest: &[u8], line: &DeckLine) {
         let text = String::from_utf8_lossy(rest).trim().to_ascii_uppercase();
         if text.is_empty() || text == "BULK" || text == "BULK SUPER=0" {
@@ -149,7 +149,7 @@ fn error(NamedRefusal { card, refused }: NamedRefusal, sources: &Sources) -> Dec
     DeckError { path: sources.path(file as usize).to_path_buf(), line: line as usize, card, field, problem }
 }
 
-/// The first field in capitals, without its `*`; empty if it is too long for a name.
+/// The first field of a line in capitals, without its `*`; empty if the field is too long for a name.
 fn card_name<'a>(line: &[u8], place: &'a mut [u8; 8]) -> &'a [u8] {
     let first = &line[..line.len().min(9)];
     let end = first.iter().position(|&byte| byte == b',').unwrap_or(first.len().min(8));
@@ -161,32 +161,33 @@ fn card_name<'a>(line: &[u8], place: &'a mut [u8; 8]) -> &'a [u8] {
     place
 }
 
-/// Which part of the deck a line is in.
+/// The section of the deck to which a line belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DeckSection {
-    /// Up to `CEND`.
+    /// Executive control, up to `CEND`.
     Executive,
-    /// Up to `BEGIN BULK`.
+    /// Case control, up to `BEGIN BULK`.
     Control,
     Bulk,
-    /// Bulk data of a superelement or similar, which this reader does not support.
+    /// Bulk data that this reader does not support, for example of a superelement.
     Skipped,
 }
 
-/// A deck with neither `CEND` nor `BEGIN BULK`, in the main file or an included one, is bulk data from its first line.
+/// The section with which the deck begins. If neither `CEND` nor `BEGIN` occurs, in the main file or in an included one, the deck is bulk
+/// data from its first line.
 pub fn first_section(sources: &mut Sources) -> Result<DeckSection, DeckError> {
     let mut landmark = FirstLandmark(DeckSection::Bulk);
     walk(sources, &mut landmark)?;
     Ok(landmark.0)
 }
 
-/// The section that begins the deck: executive control if CEND comes first, case control if BEGIN does, and bulk data if ENDDATA does or
-/// none of them occurs.
+/// Finds the section with which the deck begins. If the first landmark is CEND, it is executive control; if it is BEGIN, case control. If
+/// it is ENDDATA or there is none, it is bulk data.
 struct FirstLandmark(DeckSection);
 
 impl LineVisitor for FirstLandmark {
     fn quick(&mut self, line: &DeckLine, _: &Sources) -> Result<bool, DeckError> {
-        // Most lines are grid points and equations, and neither is a landmark.
+        // Lines of the two most frequent kinds, grid points and equations, are no landmarks.
         Ok(matches!(line.text.first(), Some(b'G' | b'M')))
     }
 
@@ -202,30 +203,30 @@ impl LineVisitor for FirstLandmark {
 
     fn included(&mut self, _: IncludeLine) {}
 
-    /// Ignores unreadable files. The section of the include is still unknown; the second reading decides whether the file is
+    /// Ignores a file that cannot be read: it is not yet known to which section it belongs. The second reading decides whether the file is
     /// needed.
     fn unreadable(&mut self, _: FileLine, error: DeckError) -> Result<(), DeckError> {
         if matches!(error.problem, Problem::Include { .. }) { Ok(()) } else { Err(error) }
     }
 }
 
-/// Lines at which the sections of a deck begin, needed to edit it.
+/// The lines at which the sections of a deck begin. The writer needs them.
 #[derive(Debug, Default)]
 pub struct Landmarks {
     /// The first line of case control.
     pub control: Option<FileLine>,
     /// The line after `BEGIN BULK`.
     pub bulk: Option<FileLine>,
-    /// The end of bulk data: `ENDDATA`, or the first section that is left out.
+    /// The line that ends bulk data: `ENDDATA`, or the start of the first section that is left out.
     pub end: Option<FileLine>,
     pub includes: Vec<IncludeLine>,
 }
 
-/// The content of a deck, by section.
+/// The content of a deck, section by section.
 #[derive(Debug)]
 pub struct NastranContent {
     pub landmarks: Landmarks,
     pub bulk: BulkData,
-    /// Case control; `None` for a deck of bulk data alone.
+    /// Case control; `None` if the deck consists of bulk data alone.
     pub control: Option<CaseControl>,
 }

@@ -4,9 +4,10 @@
 //! equations that remain imply all equations that it removes.
 //!
 //! Let `row_k = sum_i c_ki row_i` be the certificates of the dependent equations k, and N the matrix with `N_kk = 1` and `N_ik = -c_ki`.
-//! Its columns span all dependencies. Equations D are implied by the others if and only if the rows of D in N are linearly independent.
-//! Edits are tried one by one: first those of equations with faults, then from the end of the deck. Dependencies that share equations form
-//! a group. If the edits drop fewer equations of a group than are dependent, its equations are chosen without regard to cards.
+//! Its columns span all linear dependencies of the equations. The equations of a set D are implied by the others if and only if the rows of
+//! D in N are linearly independent. Edits are tried one by one: first those of equations with faults, then from the end of the deck.
+//! Dependencies that share equations form a group. If the edits drop fewer equations of a group than it has dependent ones, they are
+//! ignored, and its equations are chosen without regard to cards.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
@@ -18,24 +19,26 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::Removed;
 use crate::deck::{Model, Origin};
 
-/// Limit on the dependent equations of a search, which must not take longer than the analysis.
+/// Limit on the number of dependent equations. With more, no edits are searched for: the search must not take longer than the analysis.
 const DEPENDENT: usize = 1_000_000;
-/// Limit on the operations of a search, for the same reason.
+/// Limit on the number of operations of a search, for the same reason: it must not take longer than the analysis.
 const OPERATIONS: usize = 50_000_000;
 
-/// Relative size below which a remainder is rounding.
+/// A remainder below this fraction of the largest entry of its row is a rounding error.
 const ROUNDING: f64 = 1e-9;
 
-/// Key of the lines of an equation. An Abaqus part is read once for each instance, so that its equations share lines.
+/// A key for the text line of an equation: equations with the same key come from the same line. An Abaqus part is read once for each
+/// instance, so equations of several instances share lines.
 pub fn text_of(model: &Model, origin: Origin) -> (u32, u32) {
     let card = if model.has_instances() { model.cards.nth(origin.card).file } else { origin.card };
     (card, origin.line)
 }
 
-/// Key of an edit: a text, and a node of the card if the edit leaves out only this node.
+/// Identifies an edit: the key of a text line, and a node if the edit leaves out only this node of the card, else 0.
 pub type EditKey = ((u32, u32), u32);
 
-/// The edit that drops an equation. It leaves out the whole card, or one node if `by_node` and the card is divisible.
+/// The edit that drops equation `i`. It leaves out the whole card; if `by_node` is true and the card is divisible, it leaves out only the
+/// slave node of the equation.
 pub fn edit_of(model: &Model, i: usize, by_node: bool) -> EditKey {
     let origin = model.nth(i).origin;
     let node = if by_node && model.cards.is_divisible(origin.card) { slave_node(model, i) } else { 0 };
@@ -46,12 +49,12 @@ fn slave_node(model: &Model, i: usize) -> u32 {
     model.nth(i).columns.first().map_or(0, |&j| model.dofs[j as usize].node)
 }
 
-/// Slave nodes of a card that loses only some of them.
+/// The slave nodes of a card that loses only some of them.
 #[derive(Default)]
 pub struct ShorterCard {
-    /// Those that remain, in the order of the card.
+    /// The nodes that remain, in the order of the card.
     pub left: Vec<u32>,
-    /// Those that the card loses.
+    /// The nodes that the card loses.
     pub lost: Vec<u32>,
 }
 
@@ -64,7 +67,7 @@ impl ShorterCard {
     }
 }
 
-/// The cards that lose only some of their nodes, by file and line.
+/// The cards that lose some of their slave nodes but not all, by file and line.
 pub fn shortened(model: &Model, removed: &[Removed]) -> BTreeMap<(u32, u32), ShorterCard> {
     let gone: FxHashSet<usize> = removed.iter().map(|removed| removed.equation).collect();
     let place = |i: usize| {
@@ -83,8 +86,9 @@ pub fn shortened(model: &Model, removed: &[Removed]) -> BTreeMap<(u32, u32), Sho
     cards
 }
 
-/// Chooses the equations to keep, as rows of the analysis, so that edits of cards drop the dependent ones. `edit` gives the edit of an
-/// equation, or `None` if its card must not change. Edits of equations with the largest `gain` are tried first.
+/// Chooses equations to keep, given as rows of the analysis, such that edits of cards drop as many equations as are dependent. `edit` gives
+/// the edit of an equation, or `None` if its card must not change. Edits of equations with the largest `gain` are tried first. `None` if no
+/// edit helps.
 pub fn kept_by_edits(
     model: &Model,
     rows: &[usize],
@@ -106,14 +110,15 @@ pub fn kept_by_edits(
     (!kept.is_empty() && echelon.operations < OPERATIONS).then_some(kept)
 }
 
-/// The rows of N that are not zero, by equation of the analysis. Each equation is scaled by its largest coefficient.
+/// The nonzero rows of the matrix N of dependencies (see the head of this file), by row of the analysis. They belong to equations scaled by
+/// their largest coefficients.
 struct Dependencies {
     rows: FxHashMap<usize, Vec<(usize, f64)>>,
     count: usize,
 }
 
 impl Dependencies {
-    /// Reads the certificates of the dependent equations; `None` if no equation is dependent, if more than [`DEPENDENT`] are, or if a
+    /// Reads the certificates of the dependent equations. `None` if there are no dependent equations or more than [`DEPENDENT`], or if a
     /// certificate cannot be computed.
     fn collect(model: &Model, numbers: &[usize], analysis: &Analysis) -> Option<Self> {
         let size = |row: usize| model.nth(numbers[row]).coefficients.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
@@ -128,7 +133,7 @@ impl Dependencies {
         (1..=DEPENDENT).contains(&dependent.len()).then_some(Self { rows, count: dependent.len() })
     }
 
-    /// The equations to keep in the groups in which edits drop as many equations as are dependent.
+    /// The equations to keep. Only groups count in which edits drop as many equations as are dependent.
     fn kept(&self, dropped: &FxHashSet<usize>) -> Vec<usize> {
         let mut sets = DisjointSets::new(self.count);
         self.rows.values().for_each(|row| row.iter().for_each(|(k, _)| sets.join(row[0].0, *k)));
@@ -141,12 +146,12 @@ impl Dependencies {
     }
 }
 
-/// Linearly independent rows, each reduced by those before it, with its pivot.
+/// Linearly independent rows in echelon form. Each row comes with the column of its pivot, and is reduced by the rows before it.
 struct Echelon {
     rows: Vec<(usize, Vec<(usize, f64)>)>,
-    /// Index in `rows` by the column of the pivot.
+    /// For each column, the index in `rows` of the row that has its pivot there.
     of_pivot: Vec<Option<usize>>,
-    /// The row that is reduced: its numbers by column, and the columns that it has or had.
+    /// The row that is being reduced: its number in each column, and the columns that have or had an entry.
     values: Vec<Option<f64>>,
     columns: Vec<usize>,
     operations: usize,
@@ -158,7 +163,7 @@ impl Echelon {
         Self { rows: Vec::new(), of_pivot, values, columns: Vec::new(), operations: 0 }
     }
 
-    /// Adds the rows of all equations of an edit, or none if they are dependent.
+    /// Adds the rows of all equations of an edit. If they are linearly dependent, adds none and returns false.
     fn extend(&mut self, dependencies: &Dependencies, edit: &[usize]) -> bool {
         let before = self.rows.len();
         let is_added = edit.iter().all(|row| self.push(&dependencies.rows[row]));
@@ -170,7 +175,7 @@ impl Echelon {
         is_added
     }
 
-    /// Adds a row if it is independent of the others.
+    /// Adds a row if it is linearly independent of the stored rows; returns whether it is.
     fn push(&mut self, row: &[(usize, f64)]) -> bool {
         let size = row.iter().fold(0.0_f64, |most, (_, a)| most.max(a.abs()));
         if self.operations >= OPERATIONS {
@@ -178,7 +183,7 @@ impl Echelon {
         }
         let mut row = self.remainder(row);
         row.retain(|(_, a)| a.abs() > ROUNDING * size);
-        // The pivot is the largest number; among equal ones, that of the last column.
+        // The pivot is the number with the largest absolute value. If several are equal, it is the one in the last column.
         let largest =
             (0..row.len()).max_by(|&p, &q| row[p].1.abs().total_cmp(&row[q].1.abs()).then(row[p].0.cmp(&row[q].0)));
         let Some(largest) = largest else { return false };
@@ -189,7 +194,7 @@ impl Echelon {
     }
 
     /// Subtracts multiples of the stored rows from a row, so that it has no entry at their pivots. A stored row has no entry at the pivots
-    /// of the rows before it, so one pass in their order suffices. `next` has the stored rows that must still be subtracted.
+    /// of the rows before it, so one pass in their order suffices. `next` holds the indices of stored rows that must still be subtracted.
     fn remainder(&mut self, row: &[(usize, f64)]) -> Vec<(usize, f64)> {
         let mut next = BinaryHeap::new();
         row.iter().for_each(|&(j, a)| self.add(j, a, &mut next));

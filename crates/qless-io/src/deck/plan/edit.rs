@@ -1,19 +1,19 @@
 //! Replaces lines of a text; all other lines stay byte for byte.
 
-/// Changes of a text: lines replaced or inserted.
+/// Changes of a text. Each replaces lines or inserts new ones.
 #[derive(Debug, Default)]
 pub struct Edits {
-    /// First line from 1, number of lines, and the new text.
+    /// For each change: the first line (from 1), the number of lines that it replaces, and the new text.
     changes: Vec<(u32, u32, Vec<u8>)>,
 }
 
 impl Edits {
-    /// Replaces `lines` lines from `line` on by `text`; with 0 lines, inserts `text` before that line.
+    /// Replaces `lines` lines, from `line` on, by `text`. With 0 lines, inserts `text` before `line`.
     pub fn replace(&mut self, line: u32, lines: u32, text: Vec<u8>) {
         self.changes.push((line, lines, text));
     }
 
-    /// The text with all changes. New lines get the line ends of the text.
+    /// Returns the text with all changes. New lines get the same kind of line end as the text.
     pub fn apply(mut self, text: &[u8]) -> Vec<u8> {
         self.changes.sort_by_key(|&(line, lines, _)| (line, lines));
         let crlf = memchr::memchr(b'\n', text).is_some_and(|end| end > 0 && text[end - 1] == b'\r');
@@ -34,7 +34,7 @@ impl Edits {
     }
 }
 
-/// Start of the line that is `lines` lines further on.
+/// Where the line starts that comes `lines` lines after the one at `at`.
 fn skip(text: &[u8], at: usize, lines: u32) -> usize {
     let mut ends = memchr::memchr_iter(b'\n', &text[at..]);
     match lines {
@@ -43,7 +43,8 @@ fn skip(text: &[u8], at: usize, lines: u32) -> usize {
     }
 }
 
-/// Appends text whose lines end in `\n`; with `crlf` they then end in CRLF.
+/// Appends a text whose lines end in `
+/// `. If `crlf` is true, the appended lines end in CRLF.
 fn append(result: &mut Vec<u8>, text: &[u8], crlf: bool) {
     for &byte in text {
         if byte == b'\n' && crlf {

@@ -1,4 +1,4 @@
-//! Why a deck cannot be cleaned.
+//! The reasons why a deck cannot be cleaned.
 
 use std::path::PathBuf;
 
@@ -11,101 +11,101 @@ use crate::deck::{DeckError, Dof, Format};
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CleanError {
-    /// The equations contradict each other in this load case.
+    /// The equations contradict each other in a load case.
     #[error("the equations conflict in {case}: see `qless check`")]
     Conflicting {
-        /// The load case.
+        /// The name of the load case.
         case: String,
     },
-    /// Load cases prescribe different DOFs or remove equations, so that no single set of equations fits all of them.
+    /// Load cases prescribe different DOFs or have different equations, so that no single set of equations fits all of them.
     #[error(
         "{case} needs {found} independent equations, but only {common} of them can be kept in all load cases; make a deck for each load case"
     )]
     CasesDiffer {
-        /// The load case.
+        /// The name of the load case.
         case: String,
-        /// Its rank.
+        /// The rank of this load case.
         found: usize,
-        /// Its rank if every DOF is prescribed that any load case prescribes.
+        /// The rank of this load case if every DOF is prescribed that any load case prescribes.
         common: usize,
     },
-    /// Equations return in a later load case or hold in some load cases only, which the format cannot express for new
+    /// Equations return in a later load case, or hold in some load cases only. The format of the deck cannot express this for new
     /// equations.
     #[error(
         "{case} has other equations than earlier load cases, which the format cannot express for new equations; make a deck for each load case"
     )]
     Apart {
-        /// The load case.
+        /// The name of the load case.
         case: String,
     },
-    /// A DOF would have to become a slave, but another card claims it, or its node has local axes and a prescribed DOF.
+    /// A DOF would have to become a slave although another card claims it, or although its node has local axes and a prescribed DOF.
     #[error("{case}: {slave} would have to be a slave, but another card claims it; change that card by hand")]
     Claimed {
-        /// The load case.
+        /// The name of the load case.
         case: String,
-        /// The DOF.
+        /// The name of the DOF.
         slave: String,
     },
-    /// The rank of the equations depends on numbers that may be rounding, so that no cleaned deck is certain to be correct.
+    /// The rank of the equations depends on numbers that may be rounding errors. Then no cleaned deck is certain to be correct.
     #[error("{}", doubtful(case, place, term.as_ref(), *ranks))]
     Doubtful {
-        /// The load case.
+        /// The name of the load case.
         case: String,
-        /// The card and line of an equation concerned, or the load case.
+        /// The line and card of an equation with such a number, or the name of the load case.
         place: String,
-        /// A DOF of the equation and its coefficient, if a single coefficient decides.
+        /// The DOF and the coefficient of a term of this equation, if a single coefficient decides.
         term: Option<(String, f64)>,
-        /// The rank as the numbers are given, and the rank without those that may be rounding.
+        /// Two ranks: with the numbers as given, and without those that may be rounding errors.
         ranks: (usize, usize),
     },
-    /// The new text does not constrain as the deck does. This is a fault of this program.
+    /// The new text does not constrain as the deck does. This is an error in this program.
     #[error("{case}: the cleaned deck would not constrain the same ({what}); please report this deck")]
     Unproven {
-        /// The load case.
+        /// The name of the load case.
         case: String,
-        /// What differs.
+        /// What differs between the new text and the deck.
         what: String,
     },
-    /// A card that equations cannot replace would have to be replaced or left out.
+    /// Cleaning would have to replace or leave out a card that equations cannot replace.
     #[error(
         "{place} cannot be replaced by equations: {why}; change it, or the equations that share DOFs with it, by hand"
     )]
     Fixed {
-        /// File, line and card.
+        /// The file, line and card.
         place: String,
-        /// Why it would have to be replaced.
+        /// Why the card would have to be replaced or left out.
         why: String,
     },
-    /// The solver stops when it reads the deck, regardless of its equations.
+    /// The solver stops when it reads the deck, whatever its equations are.
     #[error("{place}: {why} (correct this by hand before cleaning the deck)")]
     Refused {
-        /// File and line.
+        /// The file and line at which the solver stops.
         place: String,
-        /// Why it stops, and what to do.
+        /// Why the solver stops, and what to do.
         why: String,
     },
-    /// A format that is read but not written.
+    /// Decks of this format can be read but not written.
     #[error("decks of {format} are read, but not written; change the cards that `qless check` names by hand")]
     ReadOnly {
         /// The format.
         format: Format,
     },
-    /// Text that must change is in a place that does not permit it.
+    /// A text must change in a place where this is not possible.
     #[error("{}:{line}: {why}", path.display())]
     Place {
         /// The file.
         path: PathBuf,
-        /// The line.
+        /// The line of the place.
         line: usize,
         /// What to do.
         why: &'static str,
     },
-    /// The plan belongs to another deck, or was changed by hand.
+    /// The plan belongs to another deck, or someone changed it.
     #[error(
         "the plan names equation {equation} (from 0), but the deck has {count}, each of which can be removed only once; make a plan of this deck"
     )]
     Foreign {
-        /// The equation. The deck does not have it, or the plan removes it twice or out of order.
+        /// The index of the equation. The deck does not have it, or the plan removes it twice or out of order.
         equation: usize,
         /// Number of equations in the deck.
         count: usize,
@@ -124,7 +124,7 @@ pub enum CleanError {
     Deck(#[from] DeckError),
 }
 
-/// The message of [`CleanError::Doubtful`].
+/// The text of the message for [`CleanError::Doubtful`].
 fn doubtful(case: &str, place: &str, term: Option<&(String, f64)>, (given, rounded): (usize, usize)) -> String {
     let ranks = if given == rounded {
         format!("the rank {given} is in doubt")
@@ -140,5 +140,5 @@ fn doubtful(case: &str, place: &str, term: Option<&(String, f64)>, (given, round
     }
 }
 
-/// DOFs of a cleaned deck that have another name in the original deck.
+/// DOFs of a cleaned deck that have another name there, each with its DOF in the original deck.
 pub(crate) type Renamed = FxHashMap<Dof, Dof>;

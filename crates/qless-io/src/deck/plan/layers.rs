@@ -1,11 +1,11 @@
 //! Chooses independent equations for load cases that follow each other, as steps do: equations hold from the start and
 //! can only be removed.
 //!
-//! Let `U_k` be the DOFs prescribed in any of the cases up to k. The cases are treated from last to first. Case k adds a
-//! layer: those of its equations that, without the columns `U_k`, are independent of the equations kept so far. They hold
-//! up to case k. They are independent in each earlier case too, because no DOF outside `U_k` is prescribed there. `steps`
-//! compares ranks to see whether the kept equations suffice for every case. Case k shares the layer of case k + 1 if both have
-//! the same U and the same removed equations. Cost: one analysis for each layer, and a second one if edits of cards drop equations.
+//! Let `U_k` be the DOFs prescribed in any of the load cases up to k. The load cases are treated from last to first. Load case k adds a
+//! layer: those of its equations that, without the columns of `U_k`, are independent of the equations kept so far. These equations hold up
+//! to load case k. They are independent in each earlier load case too, because no DOF outside `U_k` is prescribed there. `steps` compares
+//! ranks to see whether the kept equations suffice for every load case. Load case k shares the layer of k + 1 if `U_k` is `U_(k+1)` and
+//! both remove the same equations. Cost: one analysis for each layer, and a second one if edits of cards drop equations.
 
 use qless::{Analysis, Kind, Options, Preferences, analyse};
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -15,38 +15,39 @@ use super::{Cases, CleanError, PlanOptions};
 use crate::deck::faults::{EquationFault, FaultKind, faults_of};
 use crate::deck::{Deck, LoadCase, Model, Origin, Prescribed};
 
-/// Prescribed columns, with the cards that prescribe them.
+/// The columns that are prescribed, each with the card that prescribes it.
 pub type PrescribedColumns = FxHashMap<u32, Origin>;
 
-/// The load cases up to `last`, with the DOFs prescribed in any of them. The equations kept in all these cases are independent even
-/// without the columns of these DOFs.
+/// A group of load cases: all up to `last`. `prescribed` holds the DOFs that any of them prescribes. The equations kept in all these load
+/// cases are independent even without the columns of these DOFs.
 pub struct Layer {
-    /// Last load case.
+    /// The index of the last load case.
     pub last: usize,
-    /// Name of the last load case.
+    /// The name of the last load case.
     pub name: String,
-    /// Columns prescribed in any of the load cases.
+    /// The columns that any of the load cases prescribes.
     pub prescribed: PrescribedColumns,
 }
 
-/// The equations that are kept, and for how long.
+/// Which equations are kept, and up to which load case.
 pub struct KeptEquations<'a> {
     pub model: &'a Model,
     pub options: &'a Options,
     edits_cards: bool,
     explains: bool,
-    /// Layers, with the last load case first.
+    /// The layers. The first one ends with the last load case.
     pub layers: Vec<Layer>,
-    /// For each equation the layer up to which it is kept; `None` if it is dependent.
+    /// For each equation, the layer up to whose last load case it is kept; `None` if it is dependent.
     pub layer_of: Vec<Option<usize>>,
-    /// For each dependent equation, its combination of kept equations; empty if the plan explains nothing.
+    /// For each dependent equation, the kept equations and coefficients of which it is a combination. Empty if the plan needs no
+    /// explanations.
     pub because: FxHashMap<usize, Vec<(usize, f64)>>,
-    /// For each equation the last load case in which the deck has it in force; `None` if it never is.
+    /// For each equation, the last load case in which it is in force in the deck; `None` if it never is.
     pub end: Vec<Option<usize>>,
 }
 
 impl<'a> KeptEquations<'a> {
-    /// Chooses equations for load cases that follow each other.
+    /// Chooses the equations to keep for load cases that follow each other.
     pub fn choose(
         deck: &'a Deck,
         cases: &[LoadCase],
@@ -71,7 +72,7 @@ impl<'a> KeptEquations<'a> {
         Ok(kept)
     }
 
-    /// Keeps the equations that a layer needs in addition to those kept already.
+    /// Keeps the equations that a layer needs in addition to those that are already kept.
     fn add_layer(&mut self, layer: Layer, case: &LoadCase) -> Result<(), CleanError> {
         let rows: Vec<usize> = self.model.in_force(case).collect();
         let vanishing = vanishing(self.model, &layer.prescribed);
@@ -105,13 +106,13 @@ impl<'a> KeptEquations<'a> {
         Ok(())
     }
 
-    /// The edit that drops an equation.
+    /// The edit of a card that drops equation `i`.
     pub fn edit_of(&self, i: usize) -> EditKey {
         edit_of(self.model, i, self.edits_cards)
     }
 
-    /// How much it helps to drop an equation: 2 if the equation has a fault, 1 if the fault is a circle. A circle can also be opened by
-    /// dropping another of its equations.
+    /// How much it helps to drop an equation: 2 if the equation has a fault other than a circle, 1 if it is part of a circle. A circle
+    /// counts less because dropping another of its equations opens it as well.
     fn gains(&self, layer: &Layer, rows: &[usize]) -> FxHashMap<usize, u8> {
         let mut left_out = vec![true; self.model.equations()];
         rows.iter().for_each(|&i| left_out[i] = false);
@@ -130,7 +131,7 @@ impl<'a> KeptEquations<'a> {
         gains
     }
 
-    /// Records the certificate of a dependent equation, from the last load case in which it holds.
+    /// Records the certificate of a dependent equation. The one from the last load case in which the equation holds is kept.
     fn note(&mut self, i: usize, rows: &[usize], analysis: &Analysis) {
         let Ok(row) = rows.binary_search(&i) else { return };
         self.because.entry(i).or_insert_with(|| {
@@ -139,8 +140,7 @@ impl<'a> KeptEquations<'a> {
         });
     }
 
-    /// Analyses some equations with the prescribed columns of a layer. Right-hand sides count, prescribed values are
-    /// taken as zero.
+    /// Analyses these equations with the prescribed columns of a layer. Right-hand sides count, but prescribed values are taken as zero.
     pub fn analyse(&self, layer: &Layer, rows: &[usize], preferences: Preferences) -> Result<Analysis, CleanError> {
         let dof = |&column: &u32| self.model.dofs[column as usize];
         let given =
@@ -154,18 +154,18 @@ impl<'a> KeptEquations<'a> {
         Ok(analyse(&self.model.system(&case)?, &options)?)
     }
 
-    /// Whether an equation is kept in all load cases of a layer: at least up to its last one.
+    /// Whether an equation is kept in all load cases of a layer.
     pub fn holds(&self, i: usize, layer: usize) -> bool {
         self.layer_of[i].is_some_and(|own| own <= layer)
     }
 
-    /// The load cases of a layer.
+    /// The set of load cases that belong to a layer.
     pub fn cases(&self, layer: usize) -> Cases {
         if layer == 0 { Cases::All } else { Cases::UpTo(self.layers[layer].last) }
     }
 
-    /// The faults of the equations in each layer; `is_in` selects equations by number and layer. Solvers react
-    /// differently to faults, but all treat equations without faults alike.
+    /// The faults of the equations in each layer; `is_in(i, k)` says whether equation i belongs to layer k. Solvers react differently to
+    /// faults, but treat equations without faults alike.
     pub fn faults(&self, is_in: impl Fn(usize, usize) -> bool) -> Vec<EquationFault> {
         let count = self.model.equations();
         let in_layer = |(k, layer): (usize, &Layer)| {
@@ -176,7 +176,7 @@ impl<'a> KeptEquations<'a> {
     }
 }
 
-/// For each equation the last load case in which it is in force. It must be in force in all earlier ones.
+/// For each equation, the last load case in which it is in force. It is an error if the equation is not in force in all earlier ones.
 fn ends(model: &Model, cases: &[LoadCase]) -> Result<Vec<Option<usize>>, CleanError> {
     let mut end = vec![cases.len().checked_sub(1); model.equations()];
     for (k, case) in cases.iter().enumerate().rev() {
@@ -190,13 +190,13 @@ fn ends(model: &Model, cases: &[LoadCase]) -> Result<Vec<Option<usize>>, CleanEr
     Ok(end)
 }
 
-/// Equations whose own slave has a coefficient too small to divide by.
+/// The equations whose slave has a coefficient that is too small to divide by.
 pub fn vanishing(model: &Model, prescribed: &PrescribedColumns) -> FxHashSet<usize> {
     let faults = faults_of(model, prescribed, &vec![false; model.equations()]);
     faults.iter().filter(|fault| fault.kind == FaultKind::SlaveVanishes).map(|fault| fault.equation).collect()
 }
 
-/// Columns that are not prescribed, ascending, each once.
+/// The columns that are not prescribed, ascending, each once.
 pub fn unprescribed(columns: impl Iterator<Item = u32>, prescribed: &PrescribedColumns) -> Vec<usize> {
     let mut columns: Vec<usize> = columns.filter(|j| !prescribed.contains_key(j)).map(|j| j as usize).collect();
     columns.sort_unstable();

@@ -1,8 +1,8 @@
 //! Plans the changes of a deck.
 //!
-//! Load case k has the equations `E_k` and the prescribed DOFs `P_k`. In each case, the equations kept or written are
-//! independent without `P_k`, span the same space as `E_k`, and have distinct slaves outside `P_k`. Edits of cards are preferred
-//! (`card_edits`). If edits do not suffice, equations are rewritten.
+//! Load case k has the equations `E_k` and the prescribed DOFs `P_k`. In each load case, the equations that are kept or written span the
+//! same space as `E_k`. They are independent even without the columns of `P_k`, and they have distinct slaves outside `P_k`. Edits of cards
+//! are preferred (`card_edits`). If edits do not suffice, equations are rewritten.
 
 mod card_edits;
 mod edit;
@@ -25,60 +25,60 @@ pub use error::CleanError;
 pub(crate) use error::Renamed;
 pub(super) use steps::conflicts;
 
-/// Changes of a deck: equations removed and equations written.
+/// The changes of a deck: which equations are removed, and which are written.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Plan {
-    /// Equations removed from the text, ascending.
+    /// The equations that are removed from the text, ascending.
     pub removed: Vec<Removed>,
-    /// New equations.
+    /// The equations that are added to the text.
     pub written: Vec<Written>,
-    /// Equations that stay in the text but end after a load case, ascending.
+    /// The equations that stay in the text but end after some load case, ascending.
     pub ended: Vec<Ended>,
 }
 
-/// An equation removed from the text.
+/// An equation that is removed from the text.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Removed {
-    /// Its number, from 0.
+    /// The index of the equation, from 0.
     pub equation: usize,
-    /// Why it is removed.
+    /// Why the equation is removed.
     pub reason: Reason,
 }
 
 /// Why an equation is removed from the text.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Reason {
-    /// It is dependent: this combination of others, as equation (from 0) and coefficient. Empty if the equation has no
-    /// free DOF.
+    /// The equation is dependent. The list gives the equations (by index from 0) and coefficients of which it is a combination. The list is
+    /// empty if the equation has no free DOF.
     Redundant(Vec<(usize, f64)>),
-    /// It is rewritten because of this fault.
+    /// The equation is rewritten because it has this fault.
     Fault(EquationFault),
-    /// It is rewritten because another equation of its part is.
+    /// The equation is rewritten because another equation of its connected component is.
     Connected,
 }
 
-/// `slave + sum a_j u_j = rhs`.
+/// A new equation, `slave + sum a_j u_j = rhs`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Written {
-    /// The slave; its coefficient is 1.
+    /// The slave, whose coefficient is 1.
     pub slave: Dof,
-    /// The other terms: masters, then prescribed DOFs.
+    /// The other terms, a_j with the DOF of u_j: first masters, then prescribed DOFs.
     pub terms: Vec<(Dof, f64)>,
     /// The right-hand side.
     pub rhs: f64,
-    /// Load cases in which it holds.
+    /// The load cases in which the equation holds.
     pub cases: Cases,
 }
 
-/// A set of load cases, by number from 0.
+/// A set of load cases, which are numbered from 0.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Cases {
     /// All load cases.
     #[default]
     All,
-    /// The first load cases, up to this one.
+    /// All load cases up to this one, included.
     UpTo(usize),
-    /// These load cases, ascending.
+    /// Only these load cases, ascending.
     Only(Arc<[usize]>),
 }
 
@@ -93,12 +93,12 @@ impl Cases {
     }
 }
 
-/// An equation that ends after a load case.
+/// An equation that stays in the text but does not hold in the later load cases.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ended {
-    /// Its number, from 0.
+    /// The index of the equation, from 0.
     pub equation: usize,
-    /// The last load case in which it holds.
+    /// The index of the last load case in which the equation holds.
     pub last: usize,
 }
 
@@ -108,7 +108,7 @@ impl Plan {
         self.removed.is_empty() && self.ended.is_empty()
     }
 
-    /// Checks that the equations of the plan exist and ascend, and that its explanations refer to existing equations.
+    /// Checks that the removed and ended equations exist, that the removed ones ascend, and that explanations refer to existing equations.
     pub(super) fn check(&self, model: &Model) -> Result<(), CleanError> {
         let count = model.equations();
         let mut next = 0;
@@ -131,8 +131,8 @@ impl Plan {
 /// equations, and no slave is prescribed.
 ///
 /// # Errors
-/// [`CleanError`]: a deck that stops the solver, conflicting equations, load cases that no single deck serves, or
-/// cards that cannot be replaced.
+/// [`CleanError`] if the deck stops the solver, if equations conflict, if no single deck can serve all load cases, or if a card cannot be
+/// replaced.
 ///
 /// ```
 /// # let place = tempfile::tempdir()?;
@@ -147,8 +147,8 @@ pub fn plan(deck: &Deck, options: &Options) -> Result<Plan, CleanError> {
     plan_with(deck, PlanOptions { options, edits_cards: true, explains: true })
 }
 
-/// Whether [`clean`](super::clean::clean) has a plan; costs a few analyses. Equations can be rewritten if no edit of cards serves, so edits
-/// are tried only if that fails.
+/// Checks whether [`clean`](super::clean::clean) can make a plan, which takes a few analyses. First tries to rewrite equations, which is
+/// possible even if no edit of cards helps. Tries edits of cards only if that fails.
 ///
 /// # Errors
 /// As [`plan`].
@@ -161,20 +161,20 @@ pub fn check_plan(deck: &Deck, options: &Options) -> Result<(), CleanError> {
 #[derive(Clone, Copy)]
 pub(super) struct PlanOptions<'a> {
     pub options: &'a Options,
-    /// Whether edits of cards are preferred.
+    /// Whether edits of cards are preferred to rewritten equations.
     pub edits_cards: bool,
-    /// Whether reasons have certificates, which cost more than all else.
+    /// Whether the reasons hold certificates. Certificates cost more than all the rest of a plan.
     pub explains: bool,
 }
 
-/// [`plan`] with or without a preference for edits of cards.
+/// Like [`plan`], with or without a preference for edits of cards.
 pub(super) fn plan_with(deck: &Deck, options: PlanOptions) -> Result<Plan, CleanError> {
     let model = &deck.model;
     if let Some(refusal) = model.refusals().first() {
         return Err(CleanError::Refused { place: model.place_of(refusal), why: refusal.text.clone() });
     }
     let plan = match deck.format() {
-        // CalculiX crashes at random if a nonlinear step removes equations.
+        // A nonlinear step must not remove equations: CalculiX then crashes at random.
         Format::Calculix if model.traits.is_nonlinear => steps::plan(deck, options, steps::LateRemoval::Impossible)?,
         Format::Calculix => steps::plan(deck, options, steps::LateRemoval::Possible)?,
         Format::Ansys => steps::plan(deck, options, steps::LateRemoval::Impossible)?,
@@ -185,8 +185,8 @@ pub(super) fn plan_with(deck: &Deck, options: PlanOptions) -> Result<Plan, Clean
     Ok(plan)
 }
 
-/// Checks that no removed equation belongs to a card that equations cannot replace. Faults of the card itself are
-/// reported first.
+/// Checks that no removed equation belongs to a card that equations cannot replace. If several do, the error names one with a fault of its
+/// own, if possible.
 fn check_removable(model: &Model, removed: &[Removed]) -> Result<(), CleanError> {
     let card = |removed: &Removed| model.nth(removed.equation).origin.card;
     let weight = |reason: &Reason| match reason {
@@ -208,11 +208,11 @@ fn check_removable(model: &Model, removed: &[Removed]) -> Result<(), CleanError>
     Err(CleanError::Fixed { place: model.place(model.nth(first.equation).origin), why })
 }
 
-/// Most equations of a certificate that a comment names.
+/// Largest number of equations of a certificate that a comment names.
 const NAMED: usize = 8;
 
-/// Why an equation is removed, for a comment in the written deck; `now` says what becomes of the claim of an equation that is no
-/// combination of others.
+/// Says why an equation is removed, for a comment in the written deck. If the equation is no combination of others, `now` says what becomes
+/// of it.
 pub(super) fn reason(model: &Model, removed: &Removed, now: &str) -> String {
     match &removed.reason {
         Reason::Redundant(because) if because.is_empty() => "removed: all of its DOFs are prescribed".to_owned(),
@@ -224,7 +224,7 @@ pub(super) fn reason(model: &Model, removed: &Removed, now: &str) -> String {
                     (_, false) => " + ",
                     (_, true) => " - ",
                 };
-                // Twelve digits, so that rounding in the last ones does not show.
+                // Twelve digits suffice, and hide the rounding error in the last digits.
                 let size: f64 = format!("{:.11e}", c.abs()).parse().unwrap_or(c.abs());
                 format!("{sign}{size} * ({})", model.label_of(i))
             };

@@ -1,7 +1,7 @@
 //! Solves equations for their slaves: `u_s - T u_q - G u_p = g`.
 //!
-//! Layers are solved from the last load case back to the first. Slaves of layers solved before stay slaves, and only the
-//! rows of new slaves are written. A new slave may be a master in rows written before, since solvers follow chains.
+//! Layers (see `layers`) are solved from the last load case back to the first. Slaves of layers that are already solved stay slaves, and
+//! only the rows of new slaves are written. A new slave may be a master in rows that are already written, since solvers follow such chains.
 
 use qless::{Analysis, Preferences};
 use rustc_hash::FxHashSet;
@@ -10,7 +10,7 @@ use super::layers::{KeptEquations, unprescribed, vanishing};
 use super::{CleanError, Written};
 use crate::deck::Model;
 
-/// The rows of the parts that are rewritten.
+/// The new equations for the connected components that are rewritten.
 pub fn written(kept: &KeptEquations, is_rewritten: &dyn Fn(usize) -> bool) -> Result<Vec<Written>, CleanError> {
     let mut slaves: FxHashSet<usize> = FxHashSet::default();
     let mut all = Vec::new();
@@ -34,7 +34,7 @@ fn solve(
     let vanishing = vanishing(kept.model, prescribed);
     let new = rows.iter().filter(|&&i| kept.layer_of[i] == Some(layer) && !vanishing.contains(&i));
     let own = new.filter_map(|&i| kept.model.nth(i).columns.first().copied());
-    // The deck's own slaves are preferred, except those with small coefficients and those that other cards claim.
+    // The deck's own slaves are preferred, except those with too small coefficients and those that must not be slaves.
     let claims = SlaveClaims::collect(kept.model);
     let preferred = own.chain(slaves.iter().map(|&j| j as u32)).filter(|&j| !claims.hold(j as usize));
     let preferred = unprescribed(preferred, prescribed);
@@ -51,10 +51,10 @@ fn solve(
     Ok(())
 }
 
-/// DOFs that cannot be slaves: other cards claim them, or the node has local axes and a prescribed DOF.
+/// The DOFs that must not be slaves: another card claims them, or their node has local axes and a prescribed DOF.
 struct SlaveClaims<'a> {
     model: &'a Model,
-    /// Nodes with local axes and a prescribed DOF.
+    /// The nodes with local axes and a prescribed DOF.
     held: FxHashSet<u32>,
 }
 
@@ -65,14 +65,14 @@ impl<'a> SlaveClaims<'a> {
         Self { model, held }
     }
 
-    /// Whether a DOF cannot be a slave.
+    /// Whether the DOF of a column must not be a slave.
     fn hold(&self, column: usize) -> bool {
         let dof = self.model.dofs[column];
         self.held.contains(&dof.node) || self.model.is_claimed(dof)
     }
 }
 
-/// Adds the row of each slave of this layer that is not in `before`, the slaves of the layer solved before it.
+/// Adds the row of each slave of this layer, except for the slaves in `before`: their rows were written for the layer solved before.
 fn add_rows(
     kept: &KeptEquations,
     layer: usize,
@@ -83,7 +83,7 @@ fn add_rows(
     let model = kept.model;
     let claims = SlaveClaims::collect(model);
     let reduction = analysis.reduction()?;
-    // Right-hand sides that cancel up to rounding are zero.
+    // A right-hand side below this is a rounding error of terms that cancel, so it counts as zero.
     let rounding = 1e-14 * (0..model.equations()).fold(0.0, |size: f64, i| size.max(model.nth(i).rhs.abs()));
     for (row, &slave) in reduction.slaves().iter().enumerate().filter(|(_, slave)| !before.contains(slave)) {
         let masters = reduction.t().row(row).map(|(j, v)| (model.dofs[reduction.masters()[j]], -v));

@@ -1,4 +1,4 @@
-//! Plans the changes for load cases that follow each other, as steps do.
+//! Plans the changes of a deck whose load cases follow each other, as steps do.
 
 use qless::common::DisjointSets;
 use qless::{Kind, Options, analyse};
@@ -17,7 +17,7 @@ pub enum LateRemoval {
     Impossible,
 }
 
-/// The plan for all load cases of a deck.
+/// Makes the plan for all load cases of a deck.
 pub fn plan(deck: &Deck, options: PlanOptions, late_removal: LateRemoval) -> Result<Plan, CleanError> {
     let model = &deck.model;
     let plan = plan_for(deck, &model.cases, options)?;
@@ -30,7 +30,7 @@ pub fn plan(deck: &Deck, options: PlanOptions, late_removal: LateRemoval) -> Res
     Ok(plan)
 }
 
-/// The plan for some load cases that follow each other, ignoring all others.
+/// Makes the plan for these load cases, which follow each other. All other load cases are ignored.
 pub fn plan_for(deck: &Deck, cases: &[LoadCase], options: PlanOptions) -> Result<Plan, CleanError> {
     let kept = KeptEquations::choose(deck, cases, options)?;
     check_cases(&kept, cases)?;
@@ -38,13 +38,13 @@ pub fn plan_for(deck: &Deck, cases: &[LoadCase], options: PlanOptions) -> Result
 }
 
 impl KeptEquations<'_> {
-    /// Decides which equations are removed, written and ended.
+    /// Decides which equations are removed, which are written, and which end early.
     fn plan(&self) -> Result<Plan, CleanError> {
         let count = self.model.equations();
         let before = self.faults(|i, k| self.end[i] >= Some(self.layers[k].last));
         let fault_of: FxHashMap<usize, EquationFault> =
             before.iter().rev().map(|fault| (fault.equation, *fault)).collect();
-        // The first cases prescribe the fewest DOFs, so that the parts are largest there.
+        // The earliest load cases prescribe the fewest DOFs, so their connected components are the largest.
         let first = &self.layers[self.layers.len() - 1].prescribed;
         let part_of = parts(self.model, |j| first.contains_key(&j));
         let mut is_rewritten = vec![false; part_of.iter().max().map_or(0, |last| last + 1)];
@@ -70,7 +70,7 @@ impl KeptEquations<'_> {
         }
     }
 
-    /// Equations whose edit would drop equations that are kept for other load cases.
+    /// The equations of those lines that cannot be edited: dropping one equation there would also drop others that are kept longer.
     fn split_lines(&self) -> impl Iterator<Item = usize> + '_ {
         let mut kept: FxHashMap<_, Option<usize>> = FxHashMap::default();
         let mut split = FxHashSet::default();
@@ -83,7 +83,7 @@ impl KeptEquations<'_> {
     }
 }
 
-/// Checks that no load case conflicts, and that the equations kept for it have the rank of its own equations.
+/// Checks that no load case has conflicting equations, and that the kept equations have the rank of the load case's own equations.
 fn check_cases(kept: &KeptEquations, cases: &[LoadCase]) -> Result<(), CleanError> {
     for (k, case) in cases.iter().enumerate() {
         if k > 0 && case.constrains_as(&cases[k - 1]) {
@@ -102,8 +102,8 @@ fn check_cases(kept: &KeptEquations, cases: &[LoadCase]) -> Result<(), CleanErro
     Ok(())
 }
 
-/// Whether a load case has no solution. If its values follow several time histories, each of these must have a
-/// solution of its own.
+/// Whether a load case has no solution. If its prescribed values have several time histories, the values of each history alone must have a
+/// solution too.
 pub fn conflicts(model: &Model, case: &LoadCase, options: &Options) -> Result<bool, CleanError> {
     let histories = model.histories_of(case);
     let mut systems = vec![model.system(case)?];
@@ -119,7 +119,8 @@ pub fn conflicts(model: &Model, case: &LoadCase, options: &Options) -> Result<bo
     Ok(false)
 }
 
-/// For each equation the number of its part (connected component), in order of their first equations.
+/// For each equation, the number of its connected component. Components are numbered in the order of their first equations. Equations that
+/// share a text line are connected too.
 pub fn parts(model: &Model, is_prescribed: impl Fn(u32) -> bool) -> Vec<usize> {
     let mut sets = DisjointSets::new(model.equations());
     let mut by_column: FxHashMap<u32, usize> = FxHashMap::default();

@@ -1,7 +1,7 @@
-//! Plans the changes for independent load cases, such as subcases: each selects its own equations.
+//! Plans the changes of a deck whose load cases are independent, as subcases are: each selects its own equations.
 //!
-//! If one plan cannot serve all, each group of cases that constrain alike gets its own plan. An equation removed in
-//! any group is removed from the text, and rewritten for the groups that keep it.
+//! If one plan cannot serve all load cases, each group of load cases that constrain alike gets its own plan. An equation that any group
+//! removes is removed from the text, and rewritten for the groups that keep it.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use super::steps::{LateRemoval, plan as common_plan, plan_for};
 use super::{Cases, CleanError, Plan, PlanOptions, Reason, Removed, Written};
 use crate::deck::{Deck, LoadCase, Model};
 
-/// One plan for all subcases, or else one for each group.
+/// Makes one plan for all subcases, or else one for each group of subcases that constrain alike.
 pub fn plan(deck: &Deck, options: PlanOptions) -> Result<Plan, CleanError> {
     match common_plan(deck, options, LateRemoval::Impossible) {
         Err(CleanError::CasesDiffer { .. } | CleanError::Apart { .. }) => plan_groups(deck, options),
@@ -21,7 +21,7 @@ pub fn plan(deck: &Deck, options: PlanOptions) -> Result<Plan, CleanError> {
     }
 }
 
-/// Groups of load cases that constrain alike, by number.
+/// Groups of load cases that constrain alike, each given by the indices of its load cases.
 fn groups(model: &Model) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for k in 0..model.cases.len() {
@@ -62,14 +62,14 @@ fn plan_groups(deck: &Deck, options: PlanOptions) -> Result<Plan, CleanError> {
     Ok(Plan { removed, written, ended: Vec::new() })
 }
 
-/// The plan for one load case alone; does not touch equations outside it.
+/// Makes the plan for one load case alone. It leaves equations alone that do not hold in this load case.
 fn plan_group(deck: &Deck, case: &LoadCase, options: PlanOptions) -> Result<Plan, CleanError> {
     let mut plan = plan_for(deck, std::slice::from_ref(case), options)?;
     plan.removed.retain(|removed| case.removed.binary_search(&(removed.equation as u32)).is_err());
     Ok(plan)
 }
 
-/// An equation, divided by the coefficient of its slave.
+/// Equation `i` of the deck, divided by the coefficient of its slave.
 fn normalised(model: &Model, i: usize) -> Written {
     let equation = model.nth(i);
     let own = equation.coefficients.first().copied().unwrap_or(1.0);

@@ -1,15 +1,15 @@
-//! CalculiX 2.20; `tests/calculix/claims.rs` runs it on every pair of cards.
+//! The reactions of CalculiX 2.20 (ccx). The test `tests/calculix/claims.rs` runs it on every pair of cards.
 //!
-//! ccx reads couplings before all other cards that constrain, and turns ties into equations after the first step. If a
-//! DOF is a slave already, ccx stops at some cards, and at others skips the DOF. ccx compares slaves with prescribed DOFs in the
-//! first step, and in later steps only if the equations may have changed.
+//! ccx reads couplings before all other cards that constrain, and turns ties into equations after the first step. If a DOF is already a
+//! slave, ccx stops at some cards, and skips the DOF at others. ccx compares slaves with prescribed DOFs in the first step, and in later
+//! steps only if the equations may have changed.
 
 use rustc_hash::FxHashMap;
 
 use super::{CardKind, Outcome};
 use crate::deck::{Dof, LoadCase, Model};
 
-/// Order in which ccx treats cards, regardless of their place in the deck.
+/// When ccx treats cards of this kind: in the order of these numbers, regardless of their place in the deck.
 fn order_of(kind: CardKind) -> u8 {
     match kind {
         CardKind::Kinematic => 0,
@@ -18,7 +18,7 @@ fn order_of(kind: CardKind) -> u8 {
     }
 }
 
-/// The outcome for two cards with the same slave, in the order of the deck.
+/// What ccx does if two cards have the same slave. `first` comes before `second` in the deck.
 pub fn twice(first: CardKind, second: CardKind) -> Outcome {
     let (late, dropped) = if order_of(second) < order_of(first) {
         (first, Outcome::IgnoresFirst)
@@ -31,7 +31,8 @@ pub fn twice(first: CardKind, second: CardKind) -> Outcome {
     }
 }
 
-/// The outcome for a prescribed slave. `is_later`: not in the first step; `is_compared`: ccx compares slaves again in that step.
+/// What ccx does if the slave of a card is prescribed. `is_later` means that this happens after the first step, and `is_compared` that ccx
+/// compares slaves with prescribed DOFs again in that step.
 pub fn prescribed(kind: CardKind, is_later: bool, is_compared: bool) -> Outcome {
     match (kind, is_later) {
         (CardKind::Tie, false) => Outcome::IgnoresFirst,
@@ -40,9 +41,9 @@ pub fn prescribed(kind: CardKind, is_later: bool, is_compared: bool) -> Outcome 
     }
 }
 
-/// Whether ccx compares slaves with prescribed DOFs again in a step from `since` on that prescribes this slave. ccx does so in every step
-/// of a deck with `*TRANSFORM`, in steps in which `*EQUATION, REMOVE` removes equations, and in nonlinear steps with linked equations of
-/// which one is nonlinear.
+/// Whether ccx compares slaves with prescribed DOFs again in a step that prescribes this slave. Only steps from `since` on count. ccx does
+/// so in every step of a deck with `*TRANSFORM`, in steps in which `*EQUATION, REMOVE` removes equations, and in nonlinear steps with two
+/// linked equations of which one is nonlinear.
 pub fn compares_again(
     model: &Model,
     equation: usize,
@@ -59,12 +60,12 @@ pub fn compares_again(
     removes || model.traits.has_local_axes || has_nonlinear_chain()
 }
 
-/// Whether a master of some equation in force is the slave of another one, and one of the two is nonlinear.
+/// Whether two equations in force are linked: the slave of one is a master of the other, and one of the two is nonlinear.
 pub fn nonlinear_chain(model: &Model, left_out: &[bool]) -> bool {
     if !model.traits.is_nonlinear {
         return false;
     }
-    // Couplings with their own axes become equations with new nodes. These nodes are slaves, which makes a chain.
+    // A coupling with its own axes becomes equations with new nodes. The new nodes are slaves, so these equations are linked.
     if model.traits.has_oriented_couplings {
         return true;
     }
@@ -82,8 +83,8 @@ fn slave(model: &Model, equation: usize) -> Option<Dof> {
     model.nth(equation).columns.first().map(|&j| model.dofs[j as usize])
 }
 
-/// DOFs of an equation. `*MPC` names all directions of its nodes, even with zero coefficients. If it has two equations
-/// for a node (STRAIGHT), each leaves out the other's slave.
+/// The DOFs that an equation names. `*MPC` names all directions of its nodes, even those with zero coefficients. If it has two equations
+/// for a node (STRAIGHT), each of them leaves out the slave of the other one.
 fn named(model: &Model, equation: usize, is_mpc: bool) -> Vec<Dof> {
     let dofs = model.nth(equation).columns.iter().map(|&j| model.dofs[j as usize]);
     if !is_mpc {
@@ -99,8 +100,8 @@ fn named(model: &Model, equation: usize, is_mpc: bool) -> Vec<Dof> {
     dofs.flat_map(|dof| directions.clone().map(move |component| Dof { component, ..dof })).collect()
 }
 
-/// Additional slaves of `*KINEMATIC`, with the first equation of each card: the rotations of its reference node, which follow the rotations
-/// of a node that ccx adds. The rotations of the reference can be prescribed.
+/// Slaves that `*KINEMATIC` adds, each with the first equation of its card. They are the rotations of the reference node: these follow the
+/// rotations of a node that ccx adds, which can be prescribed.
 pub fn rotations(model: &Model) -> Vec<(Dof, usize)> {
     let mut rotations = Vec::new();
     let mut last = None;

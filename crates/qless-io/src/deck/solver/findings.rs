@@ -1,5 +1,4 @@
-//! The faults of a load case, and what a solver does with each. Equations that the solver drops have no further
-//! faults.
+//! Finds the faults of a load case, and what a solver does about each. An equation that the solver drops has no further faults.
 
 use rustc_hash::FxHashMap;
 
@@ -7,22 +6,22 @@ use super::{Outcome, Profile, ccx};
 use crate::deck::faults::{EquationFault, FaultKind, faults_of};
 use crate::deck::{Dof, LoadCase, Model, Origin, Solver};
 
-/// A fault, and the solver's reaction.
+/// A fault, and how the solver reacts to it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Finding {
     /// The fault.
     pub fault: EquationFault,
-    /// The solver's reaction.
+    /// How the solver reacts to the fault.
     pub outcome: Outcome,
 }
 
 impl Finding {
-    /// Describes the fault and the solver's reaction in the deck's terms.
+    /// Describes the fault and the reaction of the solver in the terms of the deck.
     pub fn describe(&self, model: &Model, solver: Solver) -> String {
         format!("{}: {solver} {}", self.fault.describe(model), self.reaction(model))
     }
 
-    /// The solver's reaction, as a verb with its object.
+    /// Describes the reaction of the solver, as a verb with its object.
     fn reaction(&self, model: &Model) -> String {
         let equation = |i: usize| model.equation(i).map_or_else(String::new, |e| model.place(e.origin));
         match (self.outcome, self.fault.kind) {
@@ -41,7 +40,7 @@ impl Finding {
         }
     }
 
-    /// The equation that the solver drops, if it drops one.
+    /// The equation that the solver drops because of the fault; `None` if it drops none.
     pub fn dropped(&self) -> Option<usize> {
         match (self.outcome, self.fault.kind) {
             (Outcome::IgnoresFirst, FaultKind::SlaveTwice { first }) => Some(first),
@@ -83,12 +82,12 @@ pub fn findings(model: &Model, case: &LoadCase, solver: Solver) -> Vec<Finding> 
     search.findings
 }
 
-/// Search for the faults of a load case.
+/// The search for the faults of a load case.
 struct FaultSearch<'a> {
     profile: Profile<'a>,
     /// The DOFs that this load case prescribes, by column, each with its card.
     prescribed: FxHashMap<u32, Origin>,
-    /// The same for the first load case.
+    /// The DOFs that the first load case prescribes, by column, each with its card.
     at_start: FxHashMap<u32, Origin>,
     findings: Vec<Finding>,
 }
@@ -103,7 +102,7 @@ impl<'a> FaultSearch<'a> {
         }
     }
 
-    /// Equations in force with their slaves.
+    /// The equations in force, each with the column of its slave.
     fn slaves(&self) -> Vec<(usize, u32)> {
         let Profile { model, left_out, .. } = &self.profile;
         let kept = (0..model.equations()).filter(|&i| !left_out[i] && model.has_slave(i));
@@ -114,7 +113,7 @@ impl<'a> FaultSearch<'a> {
         self.profile.model.dofs[column as usize]
     }
 
-    /// If the solver drops an equation because of this fault, notes the fault and leaves the equation out.
+    /// If the solver drops an equation because of this fault, records the fault, leaves the equation out of the search, and returns it.
     fn drop_for(&mut self, fault: EquationFault) -> Option<usize> {
         let finding = Finding { fault, outcome: self.profile.outcome(&fault) };
         let dropped = finding.dropped()?;
@@ -123,7 +122,7 @@ impl<'a> FaultSearch<'a> {
         Some(dropped)
     }
 
-    /// Drops equations that the solver does not make.
+    /// Leaves out the equations that the solver does not make.
     fn drop_missing(&mut self) {
         for (equation, column) in self.slaves() {
             if let Some(why) = self.profile.model.why_missing(equation) {
@@ -132,8 +131,8 @@ impl<'a> FaultSearch<'a> {
         }
     }
 
-    /// Drops equations whose slave is prescribed in the first load case. A value that comes later makes ccx drop no
-    /// equation.
+    /// Leaves out the equations that the solver drops because their slave is prescribed in the first load case. A value in a later load
+    /// case does not make ccx drop an equation.
     fn drop_prescribed(&mut self) {
         for (equation, column) in self.slaves() {
             if let Some(&by) = self.at_start.get(&column) {
@@ -143,7 +142,8 @@ impl<'a> FaultSearch<'a> {
         }
     }
 
-    /// Compares each equation with the earlier one that still has the same slave, and drops one of the two if the solver does.
+    /// Compares each equation with an earlier one that has the same slave and is not dropped. Leaves out one of the two if the solver drops
+    /// it.
     fn drop_shared(&mut self) {
         let mut holders: FxHashMap<u32, usize> = FxHashMap::default();
         for (equation, column) in self.slaves() {
@@ -158,7 +158,8 @@ impl<'a> FaultSearch<'a> {
         }
     }
 
-    /// Adds the faults of the remaining equations. In ccx, the slave of an equation may also be a slave that ccx adds for `*KINEMATIC`.
+    /// Adds the faults of the remaining equations. In ccx, these include equations whose slave is also a slave that ccx adds for
+    /// `*KINEMATIC`.
     fn add_remaining(&mut self) {
         let mut faults = faults_of(self.profile.model, &self.prescribed, &self.profile.left_out);
         if self.profile.solver == Solver::Ccx {
@@ -172,7 +173,7 @@ impl<'a> FaultSearch<'a> {
         }
         let is_circle = |fault: &&EquationFault| fault.kind == FaultKind::Circle;
         let circle: Vec<usize> = faults.iter().filter(is_circle).map(|fault| fault.equation).collect();
-        // Slaves of a circle depend on each other, so that one reaction holds for all of them.
+        // The slaves of a circle depend on one another, so the same reaction holds for all of them.
         let round = (!circle.is_empty()).then(|| self.profile.circle(&circle));
         for fault in faults {
             let round = round.filter(|_| is_circle(&&fault));

@@ -1,8 +1,8 @@
-//! What a load case loses because its solver drops equations and values.
+//! Finds what a load case loses because its solver drops equations and values.
 //!
-//! Let E be the equations and values that the solver keeps. A dropped one is *implied* if it is a combination of E that
-//! agrees with the right-hand sides of E; without it, the result is the same. Otherwise it is *lost*. Each lost one that
-//! is independent of E, and of the lost ones before it, sets one motion free.
+//! Let E be the equations and values that the solver keeps. A dropped equation or value is *implied* if it is a combination of E that
+//! agrees with the right-hand sides of E. Then the result is the same without it. Otherwise it is *lost*. Each lost one that is independent
+//! of E, and of the lost ones before it, sets one motion free.
 
 use qless::{Analysis, Kind, Options, Preferences, analyse};
 
@@ -13,16 +13,16 @@ use crate::deck::{Dof, LoadCase, Model, Solver};
 /// Equations and values that a solver drops although the kept ones do not imply them.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Loss {
-    /// Equations, ascending.
+    /// The lost equations, ascending.
     pub equations: Vec<usize>,
-    /// DOFs whose prescribed values are lost, ascending.
+    /// The DOFs whose prescribed values are lost, ascending.
     pub values: Vec<Dof>,
-    /// One DOF for each motion that comes free: the slaves of lost equations, and DOFs with lost values.
+    /// One DOF for each motion that becomes free: the slave of a lost equation, or a DOF with a lost value.
     pub freed: Vec<Dof>,
 }
 
 impl Loss {
-    /// Whether the equation or value that the solver drops for a finding is lost.
+    /// Whether the solver drops an equation or a value because of the finding, and this is lost.
     pub fn contains(&self, finding: &Finding) -> bool {
         let is_lost = |i| self.equations.binary_search(&i).is_ok();
         let is_value = |dof| self.values.binary_search(&dof).is_ok();
@@ -30,8 +30,8 @@ impl Loss {
     }
 }
 
-/// The loss of a load case with these [`findings`](super::findings). If the analysis fails, all that is dropped counts
-/// as lost.
+/// The loss of a load case with these [`findings`](super::findings). If the analysis fails, everything that the solver drops counts as
+/// lost.
 ///
 /// ```
 /// use qless_io::deck::{Solver, clean, read};
@@ -68,22 +68,22 @@ pub fn loss(model: &Model, case: &LoadCase, findings: &[Finding], solver: Solver
     loss
 }
 
-/// Whether kept rows alone imply a dropped row. The analysis prefers kept rows for the basis, so that the combination
-/// has dropped rows only if it needs them.
+/// Whether the kept rows alone imply a dropped row. The analysis prefers kept rows for its basis, so the certificate of a row contains
+/// dropped rows only if it needs them.
 fn implied(analysis: &Analysis, row: usize, is_dropped: &[bool]) -> bool {
     let needs_dropped = || analysis.because(row).is_ok_and(|terms| terms.iter().any(|term| is_dropped[term.row]));
     analysis.kinds()[row] == Kind::Redundant && !needs_dropped()
 }
 
-/// The rows of a load case that the solver drops.
+/// The rows of a load case's system that the solver drops.
 struct Dropped {
-    /// The load case. Dropped values are moved to its `clashes`, which are rows of its system.
+    /// The load case, with the values that the solver drops moved to `clashes`: there, each value is a row of the system.
     case: LoadCase,
-    /// Numbers of the equations in force; they are the first rows.
+    /// The indices of the equations in force. They are the first rows of the system.
     in_force: Vec<usize>,
-    /// Number of all rows.
+    /// Number of rows of the system.
     count: usize,
-    /// Dropped rows, ascending.
+    /// The rows that the solver drops, ascending.
     rows: Vec<usize>,
 }
 
@@ -107,7 +107,7 @@ impl Dropped {
         Self { case, in_force, count, rows }
     }
 
-    /// Adds a lost row, and returns its DOF: the slave of an equation, or the DOF of a value.
+    /// Adds a lost row to the loss. Returns its DOF: the slave of the equation, or the DOF of the value.
     fn add_to(&self, loss: &mut Loss, model: &Model, row: usize) -> Option<Dof> {
         if let Some(&i) = self.in_force.get(row) {
             loss.equations.push(i);
@@ -119,13 +119,13 @@ impl Dropped {
     }
 }
 
-/// The DOF whose prescribed value the solver drops, if it drops one.
+/// The DOF whose prescribed value the solver drops because of the finding; `None` if it drops no value.
 fn dropped_value(finding: &Finding) -> Option<Dof> {
     let is_value = matches!(finding.fault.kind, FaultKind::SlavePrescribed { .. });
     (finding.outcome == Outcome::IgnoresSecond && is_value).then_some(finding.fault.slave)
 }
 
-/// Exchanges values of one DOF, so that the last one is prescribed and the others clash with it.
+/// Exchanges the values of each DOF that has several, such that the last value is prescribed and the others clash with it.
 fn keep_last_values(case: &mut LoadCase) {
     for clash in &mut case.clashes {
         if let Ok(at) = case.prescribed.binary_search_by_key(&clash.dof, |given| given.dof) {

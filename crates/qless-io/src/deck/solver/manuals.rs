@@ -1,4 +1,4 @@
-//! Behaviour of solvers according to their manuals. MYSTRAN was also run; the others were not.
+//! How solvers behave according to their manuals. Of these solvers, only MYSTRAN was also run.
 //!
 //! - Abaqus/Standard (Analysis User's Guide: "Linear constraint equations", "Kinematic coupling constraints", "Coupling constraints",
 //!   "Overconstraint checks"): no other constraint may use an eliminated DOF.
@@ -17,7 +17,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::{CardKind, Outcome};
 use crate::deck::{LoadCase, Model};
 
-/// The outcome for two cards with the same slave.
+/// What Abaqus does if two cards have the same slave.
 ///
 /// The preprocessor keeps one of two ties, drops a tie between nodes of rigid bodies, and joins rigid bodies that
 /// share nodes. No other constraint may use an eliminated DOF; `*DISTRIBUTING` eliminates none.
@@ -32,7 +32,7 @@ pub fn abaqus_twice(first: CardKind, second: CardKind) -> Outcome {
     }
 }
 
-/// The outcome for a prescribed slave: an eliminated DOF must not be prescribed. A distributing coupling does not
+/// What Abaqus does if a slave is prescribed. A DOF that a card eliminates must not be prescribed. A distributing coupling does not
 /// eliminate the DOFs of its reference node.
 pub fn abaqus_prescribed(kind: CardKind) -> Outcome {
     if matches!(kind, CardKind::Distributing | CardKind::DistributingCoupling) {
@@ -42,27 +42,28 @@ pub fn abaqus_prescribed(kind: CardKind) -> Outcome {
     }
 }
 
-/// The outcome in LS-DYNA for a prescribed slave. Supports of a node of a rigid body hold the body. The manual does not allow that another
-/// card constrains the dependent node of an interpolation, and does not say what the solver then does; for other cards it says nothing.
+/// What LS-DYNA does if a slave is prescribed. A support of a node of a rigid body holds the body. The manual forbids that another card
+/// constrains the dependent node of an interpolation, but does not say what the solver then does. It says nothing about other cards.
 pub fn lsdyna_prescribed(kind: CardKind) -> Outcome {
     if kind == CardKind::RigidBody { Outcome::Accepted } else { Outcome::Unsound }
 }
 
-/// The outcome in OptiStruct for a fault of cards of these kinds.
+/// What OptiStruct does about a fault of cards of these kinds.
 pub fn optistruct(kinds: &[CardKind]) -> Outcome {
     if kinds.contains(&CardKind::RigidElement) { Outcome::Accepted } else { Outcome::Refused }
 }
 
-/// The equations that ANSYS can eliminate.
+/// Which equations ANSYS can eliminate.
 pub struct Eliminations {
     is_eliminated: Vec<bool>,
-    /// For the card of each coupled set, its prescribed columns.
+    /// For the card of each coupled set, the columns in it that are prescribed.
     prescribed: FxHashMap<u32, FxHashSet<u32>>,
 }
 
 impl Eliminations {
-    /// Looks for a DOF that each equation can eliminate: a free DOF that is in no coupled set and in no other equation. An equation that
-    /// has found its DOF no longer counts for the others, so that chains are followed. Equations that are left out do not count.
+    /// Looks for a DOF that each equation can eliminate: a free DOF that is in no coupled set and in no other equation. When an equation
+    /// has found its DOF, it no longer counts for the others, so chains of equations can be eliminated one after the other. Equations in
+    /// `left_out` do not count.
     pub fn find(model: &Model, cases: &[LoadCase], left_out: &[bool]) -> Self {
         let given = model.prescribed_in(cases);
         let mut found = Self { is_eliminated: vec![false; model.equations()], prescribed: FxHashMap::default() };
@@ -89,18 +90,18 @@ impl Eliminations {
         found
     }
 
-    /// How ANSYS reacts to a fault of these equations: it accepts them if it can eliminate a DOF with each of them, and stops otherwise.
+    /// What ANSYS does about a fault of these equations. It accepts them if each can eliminate a DOF, and stops otherwise.
     pub fn outcome(&self, equations: &[usize]) -> Outcome {
         accepted_if(equations.iter().all(|&i| self.is_eliminated[i]))
     }
 
-    /// The outcome for a coupled set with prescribed DOFs. A single prescribed DOF is accepted: it gives the others their value.
+    /// What ANSYS does about a coupled set with prescribed DOFs. It accepts a single prescribed DOF, which gives the others their value.
     pub fn of_set(&self, card: u32) -> Outcome {
         accepted_if(self.prescribed.get(&card).is_none_or(|columns| columns.len() < 2))
     }
 }
 
-/// The only element of a set.
+/// The only element of a set; `None` unless there is exactly one.
 fn only(set: &FxHashSet<usize>) -> Option<usize> {
     set.iter().next().copied().filter(|_| set.len() == 1)
 }

@@ -19,8 +19,8 @@ pub(super) use outcome::CardKind;
 pub use outcome::Outcome;
 
 impl Solver {
-    /// Predicts the outcome of a fault. For a whole load case use [`clean::findings`](super::clean::findings): it also
-    /// knows which claims remain when others have been dropped.
+    /// Predicts what the solver does about a fault. For all faults of a load case use [`clean::findings`](super::clean::findings): it also
+    /// knows which claims remain after the solver has dropped others.
     ///
     /// ```
     /// use qless_io::deck::{Outcome, Solver, clean, read};
@@ -36,7 +36,7 @@ impl Solver {
         Profile::new(self, model).outcome(fault)
     }
 
-    /// The outcome of two values for one DOF in one step; the first claim is the first value.
+    /// Predicts what the solver does about two values for one DOF in one step. The first claim is the first value.
     ///
     /// CalculiX and ANSYS take the last value. The other solvers are reported to stop: Nastran and MYSTRAN if the
     /// values differ, Abaqus if both cards are in one step. What LS-DYNA does is not known.
@@ -49,11 +49,11 @@ impl Solver {
     }
 }
 
-/// A solver and a deck, with properties of the deck that are computed once.
+/// A solver and a deck, with properties of the deck that are computed only once.
 pub(super) struct Profile<'a> {
     pub solver: Solver,
     pub model: &'a Model,
-    /// Load cases whose prescribed DOFs count.
+    /// The load cases whose prescribed DOFs count.
     cases: &'a [LoadCase],
     /// For each equation, whether it is not in force.
     pub left_out: Vec<bool>,
@@ -62,28 +62,29 @@ pub(super) struct Profile<'a> {
 }
 
 impl<'a> Profile<'a> {
-    /// Profile for all load cases.
+    /// The profile for all load cases of a deck.
     pub fn new(solver: Solver, model: &'a Model) -> Self {
         let left_out = vec![false; model.equations()];
         let cases = &model.cases;
         Self { solver, model, cases, left_out, chain: OnceCell::new(), eliminations: OnceCell::new() }
     }
 
-    /// Profile for one load case, without its removed equations.
+    /// The profile for one load case, without the equations that it removes.
     pub fn for_case(solver: Solver, model: &'a Model, case: &'a LoadCase) -> Self {
         let mut profile = Self { cases: std::slice::from_ref(case), ..Self::new(solver, model) };
         case.removed.iter().for_each(|&i| profile.left_out[i as usize] = true);
         profile
     }
 
-    /// The outcome of a fault.
+    /// What the solver does about a fault.
     pub fn outcome(&self, fault: &EquationFault) -> Outcome {
         let EquationFault { equation, slave, kind } = *fault;
         match kind {
             FaultKind::SlavePrescribed { since, .. } => self.prescribed(equation, slave, since),
             FaultKind::SlaveTwice { first } => self.twice(first, equation),
             FaultKind::SlaveVanishes => self.vanishes(equation),
-            // Coupled sets occur only in ANSYS decks, and sets of DOFs that exclude each other only in Nastran decks.
+            // The answer holds for ANSYS and Nastran: coupled sets occur only in ANSYS decks, and sets of DOFs that exclude each other only
+            // in Nastran decks.
             FaultKind::CoupledTwice { .. } | FaultKind::SlaveClaimed { .. } => Outcome::Refused,
             FaultKind::CoupledPrescribed { .. } => self.coupled(equation),
             FaultKind::MasterTwice { .. } => match self.solver {
@@ -95,7 +96,7 @@ impl<'a> Profile<'a> {
         }
     }
 
-    /// The outcome for equations whose slaves depend on each other.
+    /// What the solver does about equations whose slaves depend on one another in a circle.
     pub fn circle(&self, equations: &[usize]) -> Outcome {
         match self.solver {
             Solver::Ansys => self.ansys(equations),
@@ -105,7 +106,7 @@ impl<'a> Profile<'a> {
         }
     }
 
-    /// Kind of the card of an equation.
+    /// The kind of the card from which an equation comes.
     pub fn kind(&self, equation: usize) -> CardKind {
         CardKind::from_name(&self.model.cards.nth(self.model.nth(equation).origin.card).name)
     }
@@ -139,8 +140,8 @@ impl<'a> Profile<'a> {
         }
     }
 
-    /// Outcome of a small or zero coefficient of a slave. ccx checks only sums of repeated terms for zero, and divides by
-    /// all others. ANSYS may eliminate another DOF. What LS-DYNA does is not known. The other solvers refuse zero, and divide
+    /// What the solver does about a slave with a small or zero coefficient. ccx checks only a sum of repeated terms for zero, and divides
+    /// by any other coefficient. ANSYS may eliminate another DOF. What LS-DYNA does is not known. The other solvers refuse zero, and divide
     /// by a small coefficient.
     fn vanishes(&self, equation: usize) -> Outcome {
         let row = self.model.nth(equation);
@@ -164,13 +165,13 @@ impl<'a> Profile<'a> {
         self.eliminations().outcome(equations)
     }
 
-    /// The outcome for the coupled set of an equation, one of whose DOFs is prescribed.
+    /// What the solver does about the coupled set of an equation if a DOF of the set is prescribed.
     fn coupled(&self, equation: usize) -> Outcome {
         self.eliminations().of_set(self.model.nth(equation).origin.card)
     }
 }
 
-/// An equation, and all equations whose slaves it depends on, directly or indirectly.
+/// An equation, together with all equations on whose slaves it depends, directly or indirectly.
 fn connected(model: &Model, equation: usize) -> Vec<usize> {
     let slave = |i: usize| model.nth(i).columns.first().copied();
     let mut slaves: FxHashMap<u32, usize> = FxHashMap::default();

@@ -1,21 +1,21 @@
-//! Kinds of cards that claim a DOF, and the outcome of two claims on the same DOF.
+//! The kinds of cards that claim a DOF, and what a solver does about two claims on the same DOF.
 
 use crate::deck::CardName;
 
-/// A solver's reaction to a fault. If two equations claim the same slave, the first claim is the equation `first` of
+/// How a solver reacts to a fault. If two equations claim the same slave, the first claim is the equation `first` of
 /// [`FaultKind::SlaveTwice`](crate::deck::clean::FaultKind::SlaveTwice). If a slave is prescribed, the first claim is the equation and the
 /// second is the value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Outcome {
     /// The solver stops.
     Refused,
-    /// It drops the first claim and continues, at most with a warning.
+    /// The solver drops the first claim and continues, at most with a warning.
     IgnoresFirst,
-    /// It drops the second claim and continues, at most with a warning.
+    /// The solver drops the second claim and continues, at most with a warning.
     IgnoresSecond,
-    /// Both claims hold.
+    /// The solver accepts both claims, and both hold.
     Accepted,
-    /// It may continue, but its results are infinite, not a number, or mostly rounding errors.
+    /// The solver may continue, but its results are infinite, not a number, or mostly rounding errors.
     Unsound,
 }
 
@@ -31,35 +31,35 @@ impl Outcome {
     }
 }
 
-/// Kind of a card that makes a DOF the slave of an equation.
+/// The kinds of cards that make a DOF the slave of an equation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CardKind {
-    /// `*EQUATION`.
+    /// The card `*EQUATION`.
     Equation,
-    /// `*MPC` of any type, and Nastran's MPC.
+    /// `*MPC` of any type, and the `MPC` card of Nastran.
     Mpc,
-    /// `*TIE`.
+    /// The card `*TIE`.
     Tie,
-    /// `*KINEMATIC` and `*KINEMATIC COUPLING`.
+    /// The cards `*KINEMATIC` and `*KINEMATIC COUPLING`.
     Kinematic,
-    /// `*RIGID BODY`, and rigid bodies of LS-DYNA.
+    /// The card `*RIGID BODY`, and rigid bodies of LS-DYNA.
     RigidBody,
-    /// `*DISTRIBUTING`: its slave is the reference node.
+    /// `*DISTRIBUTING`, whose slave is the reference node.
     Distributing,
-    /// `*DISTRIBUTING COUPLING`.
+    /// The card `*DISTRIBUTING COUPLING`.
     DistributingCoupling,
-    /// `*CYCLIC SYMMETRY MODEL` and `*PRE-TENSION SECTION`.
+    /// The cards `*CYCLIC SYMMETRY MODEL` and `*PRE-TENSION SECTION`.
     Sector,
-    /// RBE2, RBE3, RBAR and the like.
+    /// RBE2, RBE3, RBAR and all other elements whose name starts with R.
     RigidElement,
-    /// ANSYS's CP.
+    /// The command `CP` of ANSYS.
     CoupledSet,
-    /// ANSYS's CE, and any other card.
+    /// The command `CE` of ANSYS, and all other cards.
     Other,
 }
 
 impl CardKind {
-    /// The kind for the name of a card, ignoring its number.
+    /// The kind of the card with this name. A number in the name is ignored.
     pub fn from_name(name: &CardName) -> Self {
         let name: String = name.to_string().chars().filter(char::is_ascii_alphabetic).collect();
         match name.to_ascii_uppercase().as_str() {

@@ -20,7 +20,8 @@ use super::fault::EndOnPanic;
 use super::patience::{self, Patience};
 use super::{Message, World};
 
-/// A rank may begin the next round while a slower one still receives in this one, but no rank gets two rounds ahead.
+/// Tags of `exchange`, used alternately. A rank may begin the next call while a slower one still receives messages of this one, but no rank
+/// gets two calls ahead.
 const ROUND_TAGS: [Tag; 2] = [0, 1];
 /// One tag is enough for messages from known senders, because MPI delivers the messages of one sender in order.
 const KNOWN_TAG: Tag = 2;
@@ -74,7 +75,7 @@ pub(super) fn overlap(world: &World, messages: Vec<Message>, from: &[usize], wor
     })
 }
 
-/// The message of this rank to itself, and the other messages.
+/// Separates the message of this rank to itself from the other messages.
 fn split_own(world: &World, messages: Vec<Message>) -> (Option<Vec<u64>>, Vec<Message>) {
     let (own, others): (Vec<_>, Vec<_>) = messages.into_iter().partition(|message| message.rank == world.rank);
     (own.into_iter().next().map(|message| message.words), others)
@@ -87,7 +88,7 @@ fn send<'a, R>(world: &World, messages: &'a [Message], send: impl Fn(i32, &'a [u
 }
 
 /// # Panics
-/// If a rank waits for its own message and has sent none.
+/// If a rank waits for a message from itself and has sent none.
 fn receive(world: &World, rank: usize, own: &mut Option<Vec<u64>>) -> Vec<u64> {
     if rank == world.rank {
         return own.take().unwrap_or_else(|| panic!("rank {rank} waits for a message to itself that it has not sent"));

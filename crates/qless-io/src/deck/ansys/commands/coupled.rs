@@ -1,4 +1,4 @@
-//! `CP`: the nodes of a coupled set have the same value in one component, `u_j - u_1 = 0` for every node j but the first.
+//! Reads the command `CP`: the nodes of a coupled set have the same value in one component, `u_j - u_1 = 0` for every node j but the first.
 //!
 //! ```text
 //! CP, NSET, Lab, NODE1, NODE2, ... NODE17
@@ -23,15 +23,15 @@ pub struct CoupledSet {
     component: u8,
     nodes: Vec<u32>,
     known: FxHashSet<u32>,
-    /// First line.
+    /// The line on which the set begins.
     pub line: u32,
-    /// Line of the last node.
+    /// The line that names its last node.
     pub last_line: u32,
-    /// Number of nodes that an archive announces.
+    /// The number of nodes that an archive command announces for the set.
     promised: Option<usize>,
     /// Number of nodes read, repeated ones included.
     count: usize,
-    /// First load step with this version of the set.
+    /// The first load step in which this version of the set holds.
     from: StepIndex,
 }
 
@@ -41,27 +41,27 @@ impl StartsAt for CoupledSet {
     }
 }
 
-/// Limit on the nodes of earlier versions of sets: bounds the memory.
+/// Limit on the nodes of all earlier versions of sets. It bounds the memory.
 const PAST_NODES: usize = 20_000_000;
 
-/// The coupled sets of a deck by their number.
+/// The coupled sets of a deck, each with its number.
 #[derive(Debug, Default)]
 pub struct CoupledSets {
     pub sets: NumberedSets<CoupledSet>,
-    /// Versions of earlier load steps that were changed or deleted since.
+    /// Versions of sets that held in earlier load steps and were changed or deleted since.
     pub past: Vec<PastVersion<CoupledSet>>,
     past_nodes: usize,
     /// Number of load steps solved so far.
     pub now: StepIndex,
-    /// Sets with a command that could not be read.
+    /// Numbers of sets that are left out because one of their commands could not be read.
     unknown: BTreeSet<u32>,
-    /// Reason for leaving out the last command, if it was left out.
+    /// Why the last command was left out; `None` if it was not.
     pub doubt: Option<String>,
     budget: SearchBudget,
 }
 
 impl CoupledSets {
-    /// `CP` in either form; returns the number of the set, or `None` if the command is left out.
+    /// Reads `CP` in plain or archive form. Returns the number of the set, or `None` if the command is left out.
     pub fn read(
         &mut self,
         command: &AnsysCommand,
@@ -99,7 +99,7 @@ impl CoupledSets {
         Ok(Some(number))
     }
 
-    /// `CPDELE, NSET1, NSET2, NINC`.
+    /// Executes `CPDELE, NSET1, NSET2, NINC`, which deletes coupled sets.
     pub fn delete(&mut self, command: &AnsysCommand) -> Result<(), FieldFault> {
         if command.is(1, "ALL") {
             self.unknown.clear();
@@ -107,7 +107,7 @@ impl CoupledSets {
         delete(command, &mut self.sets, &mut self.past, self.now, &mut self.budget)
     }
 
-    /// The highest number of a set so far, those that are left out included; 0 if there is none.
+    /// The highest number of a set so far, also of a set that is left out; 0 if there is none.
     fn highest(&self) -> u32 {
         self.sets.highest().max(self.unknown.last().copied()).unwrap_or(0)
     }
@@ -124,7 +124,7 @@ impl CoupledSets {
         }
     }
 
-    /// Keeps the present version of a set for earlier load steps, before a change.
+    /// Call this before a set changes: stores its present version for the earlier load steps, if it held in any.
     fn keep(&mut self, number: u32) -> Result<(), FieldFault> {
         let now = self.now;
         let Some(set) = self.sets.get_mut(number).filter(|set| set.from < now) else { return Ok(()) };
@@ -147,7 +147,7 @@ impl CoupledSets {
         })
     }
 
-    /// A line of an archive; every line of a set repeats the first fields and adds nodes.
+    /// Reads `CP` in archive form. Every line of a set repeats the first fields and adds nodes.
     fn archive(&mut self, command: &AnsysCommand) -> Result<u32, FieldFault> {
         let promised = whole(command.field(2)).ok_or_else(|| expected(command, 2, "the number of nodes"))? as usize;
         let number = whole(command.field(3)).ok_or_else(|| expected(command, 3, "the number of the coupled set"))?;
@@ -162,7 +162,7 @@ impl CoupledSets {
         Ok(number)
     }
 
-    /// The set of this number, created if necessary. Field `at` is its label, which may be blank for an existing set.
+    /// Returns the set of this number, and creates it if necessary. Field `at` is its label, which may be blank for an existing set.
     fn open(&mut self, command: &AnsysCommand, number: u32, at: usize) -> Result<&mut CoupledSet, FieldFault> {
         let known = self.sets.get_mut(number).is_some();
         let component = if known && command.field(at).is_empty() { None } else { Some(component(command, at)?) };
@@ -176,7 +176,7 @@ impl CoupledSets {
 }
 
 impl CoupledSet {
-    /// The equations of the set; the DOF of the first node is the last term of each.
+    /// The equations of the set, one for each node but the first. The DOF of the first node is the second term of each equation.
     pub fn equations(&self) -> impl Iterator<Item = [(Dof, f64); 2]> + '_ {
         let dof = |node: u32| Dof { node, component: self.component };
         let first = self.nodes.first().copied().unwrap_or_default();
@@ -206,7 +206,7 @@ impl CoupledSet {
     }
 }
 
-/// A word in place of a node: `ALL`, `P` or the name of a component.
+/// The word that field `at` holds in place of a node: `ALL`, `P` or the name of a component.
 fn group_word(command: &AnsysCommand, at: usize) -> Option<String> {
     let text = command.field(at);
     let starts = text.first().is_some_and(u8::is_ascii_alphabetic);

@@ -7,14 +7,14 @@ use crate::deck::ansys::syntax::field::whole;
 
 const CONTACT: &str = "contact elements with KEYOPT(2) = 2 constrain by equations of their own: left out";
 
-/// Elements of plane and axisymmetric models.
+/// Numbers of the elements for plane and axisymmetric models, such as 182 of PLANE182.
 const PLANE: [u32; 59] = [
     1, 2, 3, 13, 23, 25, 35, 42, 53, 54, 55, 61, 67, 75, 77, 78, 82, 83, 106, 108, 115, 121, 130, 141, 145, 146, 151,
     153, 169, 171, 172, 182, 183, 192, 193, 202, 203, 208, 209, 212, 213, 217, 223, 230, 233, 238, 252, 258, 259, 272,
     273, 292, 293, 110, 129, 9, 12, 26, 48,
 ];
 
-/// Elements that occur in both plane and spatial models.
+/// Numbers of the elements that occur in both plane and spatial models.
 const EITHER: [u32; 15] = [7, 14, 21, 27, 37, 38, 39, 40, 50, 71, 94, 116, 124, 175, 200];
 
 /// Element types of a deck.
@@ -22,9 +22,9 @@ const EITHER: [u32; 15] = [7, 14, 21, 27, 37, 38, 39, 40, 50, 71, 94, 116, 124, 
 pub struct ElementTypes {
     /// Numbers of contact element types. A type imposes equations only if its KEYOPT(2) is 2.
     contact: FxHashSet<u32>,
-    /// By number of the type: true for elements of plane models, false for elements of spatial ones.
+    /// For each number of a type: true for elements of plane models, false for elements of spatial ones.
     plane: FxHashMap<u32, bool>,
-    /// Whether data lines are rows of `ETBLOCK`.
+    /// Whether the next data lines are rows of `ETBLOCK`.
     pub in_block: bool,
 }
 
@@ -34,20 +34,21 @@ impl ElementTypes {
         !self.plane.is_empty() && self.plane.values().all(|is_plane| *is_plane)
     }
 
-    /// `ET, ITYPE, Ename`; returns a warning if such elements impose equations.
+    /// Reads `ET, ITYPE, Ename`. Returns a warning if elements of this type impose equations.
     pub fn element_type(&mut self, command: &AnsysCommand) -> Option<&'static str> {
         let name = command.field(2);
         let digits = name.iter().rposition(|byte| !byte.is_ascii_digit()).map_or(name, |at| &name[at + 1..]);
         self.add(whole(command.field(1))?, whole(digits)?)
     }
 
-    /// `KEYOPT, ITYPE, KNUM, VALUE`; returns a warning if contact imposes equations.
+    /// Reads `KEYOPT, ITYPE, KNUM, VALUE`. Returns a warning if the option makes contact elements impose equations.
     pub fn option(&self, command: &AnsysCommand) -> Option<&'static str> {
         let of_contact = whole(command.field(1)).is_some_and(|number| self.contact.contains(&number));
         (of_contact && command.is(2, "2") && command.is(3, "2")).then_some(CONTACT)
     }
 
-    /// A row of `ETBLOCK`: number of the type, number of the element, then KEYOPT(1), KEYOPT(2), ...
+    /// Reads a row of `ETBLOCK`: the number of the type, the number of the element, then KEYOPT(1), KEYOPT(2), ... Returns a warning if
+    /// elements of this type impose equations.
     pub fn row(&mut self, line: &[u8]) -> Option<&'static str> {
         let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
         let (number, element) = (whole(words.next()?)?, whole(words.next()?)?);

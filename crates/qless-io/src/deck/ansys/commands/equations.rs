@@ -1,4 +1,4 @@
-//! `CE`: the equation `CONST = sum of C_i U_i`, as commands that add terms, and in the format of archives.
+//! Reads the command `CE`: the equation `CONST = sum of C_i U_i`, as commands that add terms, and in the format of archives.
 //!
 //! ```text
 //! CE, NEQN, CONST, NODE1, Lab1, C1, NODE2, Lab2, C2, NODE3, Lab3, C3
@@ -26,15 +26,15 @@ pub struct CeEquation {
     pub terms: OwnedTerms,
     /// The right-hand side.
     pub constant: f64,
-    /// First line.
+    /// The line on which the equation begins.
     pub line: u32,
-    /// Line of the last term.
+    /// The line of its last term.
     pub last_line: u32,
-    /// Number of terms that an archive announces.
+    /// The number of terms that an archive command announces for the equation.
     promised: Option<u32>,
-    /// Number of terms read, those with coefficient 0 included.
+    /// Number of terms read, including those with coefficient 0.
     count: u32,
-    /// First load step with this version of the equation.
+    /// The first load step in which this version of the equation holds.
     from: StepIndex,
     /// One more than the index of the region that generated the equation; 0 for other equations.
     region: u32,
@@ -49,43 +49,43 @@ impl StartsAt for CeEquation {
 /// A region: a `CERIG` or `RBE3` command, which generates equations.
 #[derive(Clone, Copy, Debug)]
 pub struct NodeRegion {
-    /// Name of the command.
+    /// `CERIG` or `RBE3`.
     pub name: &'static str,
     /// Master node.
     pub node: u32,
     pub line: u32,
-    /// First and last number of its equations.
+    /// The first and the last number of its equations.
     pub first: u32,
     pub last: u32,
 }
 
-/// Limit on the terms of earlier versions of equations: bounds the memory.
+/// Limit on the terms of all earlier versions of equations. It bounds the memory.
 const PAST_TERMS: usize = 20_000_000;
 
-/// The equations of a deck by their number.
+/// The equations of a deck, each with its number.
 #[derive(Debug, Default)]
 pub struct CeEquations {
     pub sets: NumberedSets<CeEquation>,
     pub terms: TermStore,
-    /// Versions of earlier load steps that were changed or deleted since.
+    /// Versions of equations that held in earlier load steps and were changed or deleted since.
     pub past: Vec<PastVersion<CeEquation>>,
     past_terms: usize,
     pub regions: Vec<NodeRegion>,
     /// Number of load steps solved so far.
     pub now: StepIndex,
-    /// Equations with a command that could not be read.
+    /// Numbers of equations that are left out because one of their commands could not be read.
     unknown: BTreeSet<u32>,
     /// Number of the equation that an archive is defining.
     open: u32,
-    /// Remark about the last command.
+    /// A remark for the user about the last command.
     pub remark: Option<String>,
-    /// Reason why the effect of the last command is uncertain.
+    /// Why the effect of the last command is uncertain; `None` if it is certain.
     pub doubt: Option<String>,
     budget: SearchBudget,
 }
 
 impl CeEquations {
-    /// `CE` in either form; returns the number of the equation.
+    /// Reads `CE` in plain or archive form. Returns the number of the equation.
     pub fn read(&mut self, command: &AnsysCommand) -> Result<u32, FieldFault> {
         if command.archive_tag().is_none() {
             return self.command(command);
@@ -97,7 +97,7 @@ impl CeEquations {
         }
     }
 
-    /// `CECMOD, NEQN, CONST` changes the constant.
+    /// Executes `CECMOD, NEQN, CONST`, which changes the constant of an equation.
     pub fn change_constant(&mut self, command: &AnsysCommand) -> Result<u32, FieldFault> {
         let number = whole(command.field(1)).ok_or_else(|| expected(command, 1, "the number of an equation"))?;
         let constant = real(command, 2)?;
@@ -110,7 +110,7 @@ impl CeEquations {
         Ok(number)
     }
 
-    /// `CEDELE, NEQN1, NEQN2, NINC`.
+    /// Executes `CEDELE, NEQN1, NEQN2, NINC`, which deletes equations.
     pub fn delete(&mut self, command: &AnsysCommand) -> Result<(), FieldFault> {
         if command.is(1, "ALL") {
             self.unknown.clear();
@@ -120,7 +120,7 @@ impl CeEquations {
         delete(command, &mut self.sets, &mut self.past, self.now, &mut self.budget)
     }
 
-    /// The highest number of an equation so far, those that are left out included; 0 if there is none.
+    /// The highest number of an equation so far, also of an equation that is left out; 0 if there is none.
     pub fn highest(&self) -> u32 {
         self.sets.highest().max(self.unknown.last().copied()).unwrap_or(0)
     }
@@ -138,7 +138,8 @@ impl CeEquations {
         self.unknown.insert(number);
     }
 
-    /// Adds the equations of a region, numbered above the highest number. Returns the index of the region.
+    /// Adds the equations that a `CERIG` or `RBE3` generates. Their numbers follow the highest number so far. Returns the index of this
+    /// region.
     pub fn region(
         &mut self,
         name: &'static str,
@@ -167,7 +168,7 @@ impl CeEquations {
         self.sets.get_mut(number).is_some_and(|equation| equation.region > 0)
     }
 
-    /// Notes a doubt if the equation belongs to a region, because ANSYS does not document how it numbers the equations of a region.
+    /// Records a doubt if `CERIG` or `RBE3` generated the equation: ANSYS does not document how it numbers such equations.
     fn remark_region(&mut self, number: u32) {
         if self.is_generated(number) {
             let text = format!(
@@ -177,7 +178,7 @@ impl CeEquations {
         }
     }
 
-    /// Keeps the present version of an equation for earlier load steps, before a change.
+    /// Call this before an equation changes: stores its present version for the earlier load steps, if it held in any.
     fn keep(&mut self, number: u32) -> Result<(), FieldFault> {
         let now = self.now;
         let Some(equation) = self.sets.get_mut(number).filter(|equation| equation.from < now) else { return Ok(()) };
@@ -239,14 +240,14 @@ impl CeEquations {
     fn define(&mut self, command: &AnsysCommand) -> Result<u32, FieldFault> {
         let promised = number::whole(command.field(3)).ok_or_else(|| expected(command, 3, "the number of terms"))?;
         let number = whole(command.field(4)).ok_or_else(|| expected(command, 4, "the number of the equation"))?;
-        // No deck has more terms than u32 can count.
+        // Saturates: no deck has more terms than u32 can count.
         let promised = u32::try_from(promised).unwrap_or(u32::MAX);
         self.keep(number)?;
         self.open(promised, number, real(command, 5)?, command.line);
         Ok(number)
     }
 
-    /// Begins an equation of an archive.
+    /// Begins an equation that an archive defines; its terms follow on other lines.
     fn open(&mut self, promised: u32, number: u32, constant: f64, line: u32) {
         let promised = Some(promised);
         let equation =
@@ -258,7 +259,7 @@ impl CeEquations {
         self.open = number;
     }
 
-    /// Takes a statement of the fast path; returns false if the line must take the general path.
+    /// Executes a statement that the fast path has read. Returns false if the line must take the general path.
     pub fn quick(&mut self, statement: &ArchiveStatement, line: u32) -> bool {
         match statement {
             ArchiveStatement::Define(promised, number, constant) => self.open(*promised, *number, *constant, line),
@@ -298,12 +299,12 @@ impl CeEquations {
 }
 
 impl CeEquation {
-    /// Index of the region that generated the equation.
+    /// Index of the `CERIG` or `RBE3` that generated the equation, among all regions.
     pub fn region(&self) -> Option<usize> {
         self.region.checked_sub(1).map(|region| region as usize)
     }
 
-    /// Reads the term `node, label, coefficient` from field `at` on. A negative node removes the terms of its DOF.
+    /// Reads a term, `node, label, coefficient`, from field `at` on. A negative node removes all terms of its DOF.
     fn term(
         &mut self,
         command: &AnsysCommand,
@@ -334,7 +335,7 @@ impl CeEquation {
     }
 }
 
-/// Whether field `at` is empty or 0; false for a malformed number.
+/// Whether field `at` is empty or the number 0; false for a malformed number.
 fn is_zero(command: &AnsysCommand, at: usize) -> bool {
     real(command, at).is_ok_and(|value| value == 0.0)
 }

@@ -1,19 +1,19 @@
-//! Numbers, deletion and earlier versions of equations and coupled sets.
+//! What equations and coupled sets have in common: their numbers, their deletion, and their earlier versions.
 
 use crate::deck::Problem;
 use crate::deck::ansys::model::numbered::NumberedSets;
 use crate::deck::ansys::syntax::command::AnsysCommand;
 use crate::deck::ansys::syntax::field::{FieldFault, expected, range, whole};
 
-/// Number of terms, nodes or items that removals and deletions may still visit.
+/// How many more terms, nodes or numbered items the removals and deletions may visit.
 #[derive(Clone, Copy, Debug)]
 pub struct SearchBudget(usize);
 
-/// Enough for any deck; bounds the time for a hostile one.
+/// The initial budget. It suffices for any deck, and it bounds the time for a hostile one.
 const SEARCHES: usize = 500_000_000;
 
 impl SearchBudget {
-    /// Takes the visits of one search from the budget.
+    /// Takes the visits of one search from the budget; an error if they exceed it.
     pub fn spend(&mut self, visits: usize) -> Result<(), Problem> {
         let advice = "do not add what is removed again";
         let limit = Problem::Limit { what: "the work to remove terms or nodes", limit: SEARCHES, advice };
@@ -39,13 +39,13 @@ pub struct PastVersion<T> {
     pub value: T,
 }
 
-/// An equation or set whose present version holds from a load step on.
+/// An equation or coupled set whose present version holds from some load step on.
 pub trait StartsAt {
-    /// First load step of the version.
+    /// The first load step in which the present version holds.
     fn from(&self) -> StepIndex;
 }
 
-/// Deletes `first, last, step` (fields 1 to 3) or `ALL`. Versions that held in a load step before `now` are added to `past`.
+/// Deletes the numbers `first, last, step` (fields 1 to 3), or `ALL`. Moves versions that held in a load step before `now` to `past`.
 pub fn delete<T: StartsAt>(
     command: &AnsysCommand,
     sets: &mut NumberedSets<T>,
@@ -72,7 +72,8 @@ pub fn delete<T: StartsAt>(
     Ok(())
 }
 
-/// The number in field `at`: `n`, `HIGH` (the `highest` so far; an empty field means the same) or `NEXT` (one above).
+/// The number in field `at`. The field holds a number, `HIGH` or nothing (the `highest` so far, at least 1), or `NEXT` (the one after
+/// `highest`).
 pub fn numbered(command: &AnsysCommand, at: usize, highest: u32) -> Result<u32, FieldFault> {
     const EXPECTED: &str = "a number from 1, HIGH or NEXT";
     match command.field(at).to_ascii_uppercase().as_slice() {

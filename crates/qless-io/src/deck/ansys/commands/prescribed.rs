@@ -1,4 +1,4 @@
-//! `D`, `DDELE`, `F` and `FDELE`: prescribe, release, load and unload DOFs.
+//! Reads the commands `D`, `DDELE`, `F` and `FDELE`: they prescribe, release, load and unload DOFs.
 //!
 //! ```text
 //! D,     NODE, Lab, VALUE, VALUE2, NEND, NINC, Lab2, ... Lab6
@@ -24,9 +24,9 @@ pub struct DofCommand {
 
 /// Why a command has no effect.
 pub enum Rejection {
-    /// A field is wrong.
+    /// A field of the command is wrong.
     Fault(FieldFault),
-    /// This reader cannot follow the command, for this reason.
+    /// The text says why this reader cannot follow the command.
     LeftOut(String),
 }
 
@@ -36,7 +36,7 @@ impl From<FieldFault> for Rejection {
     }
 }
 
-/// `D` and `DDELE`.
+/// Reads `D`, which prescribes DOFs, or `DDELE`, which releases them.
 pub fn dof_command(
     command: &AnsysCommand,
     nodes: &AnsysNodes,
@@ -54,7 +54,7 @@ pub fn dof_command(
     Ok(DofCommand { action, nodes, components, remark })
 }
 
-/// The value of `D`, and a remark if the value is not only a real number.
+/// The value that `D` prescribes. A remark follows if the value is a table or a complex number.
 fn prescribed(command: &AnsysCommand) -> Result<(EventAction, Option<String>), FieldFault> {
     if let Some(name) = command.field(3).strip_prefix(b"%") {
         let table = String::from_utf8_lossy(name.strip_suffix(b"%").unwrap_or(name)).to_ascii_uppercase();
@@ -67,7 +67,7 @@ fn prescribed(command: &AnsysCommand) -> Result<(EventAction, Option<String>), F
     Ok((action, is_complex.then(|| format!("the imaginary part of {} is ignored", excerpt(command)))))
 }
 
-/// `F` and `FDELE`; `None` for a load that acts on no DOF.
+/// Reads `F`, which loads DOFs, or `FDELE`, which unloads them. Returns `None` for a load that acts on no DOF.
 pub fn load(
     command: &AnsysCommand,
     nodes: &AnsysNodes,
@@ -84,7 +84,7 @@ pub fn load(
     Ok(Some(DofCommand { action, nodes, components, remark: None }))
 }
 
-/// The nodes from field 1 to field `end`, in steps of the field after `end`.
+/// The nodes that the command names: first in field 1, last in field `end`, step in the field after it; or `ALL` or a group in field 1.
 fn node_choice(
     command: &AnsysCommand,
     end: usize,
@@ -112,7 +112,7 @@ fn node_choice(
     Err(Rejection::LeftOut(format!("{} names {why}", excerpt(command))))
 }
 
-/// The components of the labels in these fields; only zeros for `ALL`, which means all components.
+/// Components of the labels in the fields `at`. For `ALL` the list holds only zeros, which means all components.
 fn components(command: &AnsysCommand, at: &[usize], selection: &NodeSelection) -> Result<ComponentList, Rejection> {
     let mut components = ComponentList::default();
     if at.iter().any(|&at| command.is(at, "ALL")) {
@@ -127,7 +127,7 @@ fn components(command: &AnsysCommand, at: &[usize], selection: &NodeSelection) -
     Ok(components)
 }
 
-/// `D,5,UX`: the start of the command, for messages.
+/// The start of the command, such as `D,5,UX`, for messages.
 fn excerpt(command: &AnsysCommand) -> String {
     let text = |at: usize| String::from_utf8_lossy(&command.field(at)[..command.field(at).len().min(32)]).into_owned();
     format!("{},{},{}", command.title(), text(1), text(2))

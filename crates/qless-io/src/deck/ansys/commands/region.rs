@@ -1,4 +1,4 @@
-//! `CERIG` and `RBE3`: equations that ANSYS generates from the positions of nodes.
+//! Reads the commands `CERIG` and `RBE3`: equations that ANSYS generates from the positions of nodes.
 //!
 //! ```text
 //! CERIG, MASTE, SLAVE, Ldof, Ldof2, ... Ldof5       slave = master + rotation x arm, for each label
@@ -20,21 +20,21 @@ use crate::deck::kinematics::mean::{MeanElement, WeightedNodes};
 use crate::deck::kinematics::rigid::RigidElement;
 use crate::deck::{CardFault, Problem};
 
-/// Limit on the equations of a region: bounds the memory.
+/// Limit on the equations of a `CERIG`. It bounds the memory.
 const EQUATIONS: usize = 5_000_000;
-/// Limit on the slaves of an `RBE3`, each of which occurs in all of its equations.
+/// Limit on the slaves of an `RBE3`: each of its equations contains all slaves.
 const SLAVES: usize = 500_000;
 
-/// Limit on coefficients: beside a longer arm, the coefficient 1 of a translation is a rounding error.
+/// Limit on the coefficients of an equation. With a longer arm, the coefficient 1 of a translation would be no more than a rounding error.
 const ARM: f64 = 1e15;
 
-/// The equations of a region, or why there are none.
+/// The equations of a `CERIG` or `RBE3`, or the reason why there are none.
 pub enum RegionOutcome {
     /// The master node, and the equations.
     Equations(u32, Vec<Vec<DofCoefficient>>),
-    /// ANSYS ignores the command, too.
+    /// ANSYS ignores the command, and so does this reader; the text says why.
     Ignored(String),
-    /// This reader does not know the equations.
+    /// This reader cannot determine the equations; the text says why.
     LeftOut(String),
 }
 
@@ -47,7 +47,7 @@ pub struct RegionContext<'a> {
 }
 
 impl RegionContext<'_> {
-    /// `CERIG`.
+    /// The equations of `CERIG`.
     pub fn rigid(&self, command: &AnsysCommand) -> Result<RegionOutcome, FieldFault> {
         let Some(set) = self.labels(command, &[3, 4, 5, 6, 7])? else { return Err(no_label(command, 3)) };
         let master = node(command)?;
@@ -71,7 +71,7 @@ impl RegionContext<'_> {
         Ok(outcome(master, RigidElement::about(master, dependent, set).equations(self.nodes)))
     }
 
-    /// `RBE3`; slaves and weights may be arrays.
+    /// The equations of `RBE3`, whose slaves and weights may be arrays.
     pub fn mean(&self, command: &AnsysCommand) -> Result<RegionOutcome, FieldFault> {
         let Some(components) = self.labels(command, &[2])? else { return Err(no_label(command, 2)) };
         let reference = node(command)?;
@@ -108,7 +108,7 @@ impl RegionContext<'_> {
         Ok(outcome(reference, equations))
     }
 
-    /// The nodes of an array up to its first 0, or the nodes that a word names; `None` if they are unknown.
+    /// The slaves of `RBE3`: the elements of an array up to its first 0, or the nodes that a word names. `None` if they are unknown.
     fn slaves(&self, text: &[u8]) -> Option<Vec<u32>> {
         let Some(elements) = self.parameters.elements(text) else { return self.members(text) };
         let nodes = elements.iter().take_while(|value| **value != 0.0);
@@ -120,7 +120,8 @@ impl RegionContext<'_> {
         Some(members.into_iter().collect())
     }
 
-    /// The components of labels; all if the first field is blank. `None` if the model has none of them.
+    /// The components of the labels in the fields `at`, or all if the first field is blank. `None` if the model has none of these
+    /// components.
     fn labels(&self, command: &AnsysCommand, at: &[usize]) -> Result<Option<Components>, FieldFault> {
         let mut digits = String::new();
         for (k, &at) in at.iter().enumerate() {
@@ -143,7 +144,7 @@ impl RegionContext<'_> {
     }
 }
 
-/// The node in field 1.
+/// The master node, which field 1 names.
 fn node(command: &AnsysCommand) -> Result<u32, FieldFault> {
     whole(command.field(1)).ok_or_else(|| expected(command, 1, "the number of a node"))
 }

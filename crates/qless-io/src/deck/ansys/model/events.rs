@@ -7,32 +7,32 @@ use super::nodes::AnsysNodes;
 use crate::deck::limits::{HELD, VALUES};
 use crate::deck::{Dof, Load, LoadCase, Model, Origin, Prescribed, Problem};
 
-/// The nodes of a command.
+/// The nodes to which a command applies.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NodeChoice {
-    /// First, last and step.
+    /// First node, last node and step.
     Range(u32, u32, u32),
-    /// Every node.
+    /// Every node of the model.
     All,
     /// The nodes of a named group.
     Group(Box<str>),
-    /// The selected nodes.
+    /// The selected nodes, as ranges of first node, last node and step.
     Ranges(Box<[(u32, u32, u32)]>),
 }
 
-/// Components of the nodes, followed by zeros; only zeros mean all components.
+/// The components to which a command applies, followed by zeros. If all six are zero, it applies to all components.
 pub type ComponentList = [u8; 6];
 
-/// The effect of a command.
+/// The effect of a command on DOFs.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EventAction {
-    /// `D`: a value that replaces an earlier one, and the table that multiplies it.
+    /// `D` prescribes a value, which replaces an earlier one. If a table is named, it multiplies the value.
     Prescribe(f64, Option<Box<str>>),
-    /// `DDELE`.
+    /// `DDELE` releases prescribed DOFs.
     Release,
-    /// `F`.
+    /// `F` loads DOFs.
     Load,
-    /// `FDELE`.
+    /// `FDELE` removes loads.
     Unload,
     /// `SOLVE` or `LSWRITE`: ends a load case.
     Solve,
@@ -48,7 +48,7 @@ pub struct ValueEvent {
 }
 
 impl ValueEvent {
-    /// Whether another command has the same effect; positions in the deck are ignored.
+    /// Whether another command has the same effect. The places of the commands in the deck are not compared.
     pub fn acts_as(&self, other: &Self) -> bool {
         self.action == other.action && self.nodes == other.nodes && self.components == other.components
     }
@@ -104,16 +104,16 @@ pub fn cases(
 struct EventReplay<'a> {
     groups: &'a AnsysNodes,
     lives: &'a [EquationLife],
-    /// Numbers of all nodes, ascending.
+    /// Numbers of all nodes of the model, ascending.
     nodes: Vec<u32>,
-    /// Components that occur in equations, ascending.
+    /// Components that occur in the model, ascending.
     components: Vec<u8>,
     prescribed: BTreeMap<Dof, Prescribed>,
     loads: BTreeMap<Dof, Load>,
     cases: Vec<LoadCase>,
-    /// Values that commands may still set.
+    /// How many more values the commands may set; this bounds the time.
     budget: usize,
-    /// Number of values, loads and removed equations in the load cases so far, plus one for each case.
+    /// Number of values, loads and removed equations in all load cases so far, plus one for each case; this bounds the memory.
     held: usize,
 }
 
@@ -129,7 +129,7 @@ impl<'a> EventReplay<'a> {
         Self { nodes, components, ..Self::without_nodes(groups) }
     }
 
-    /// A replay without a list of nodes.
+    /// A replay for decks without commands on DOFs: it needs no list of nodes.
     fn without_nodes(groups: &'a AnsysNodes) -> Self {
         let (prescribed, loads) = (BTreeMap::new(), BTreeMap::new());
         let (nodes, components, cases) = (Vec::new(), Vec::new(), Vec::new());
@@ -152,7 +152,7 @@ impl<'a> EventReplay<'a> {
                     self.node(event, history, node, components);
                 }
             }
-            // The command also applies to a node that neither the deck nor an equation defines, if it names this node alone.
+            // A command that names one node alone also applies if neither the deck nor an equation defines this node.
             if first == last && self.nodes.binary_search(&first).is_err() {
                 self.node(event, history, first, components);
             }
@@ -181,7 +181,7 @@ impl<'a> EventReplay<'a> {
         }
     }
 
-    /// Indices of the nodes between two numbers.
+    /// Indices of the nodes whose numbers lie between `first` and `last`.
     fn members(&self, first: u32, last: u32) -> Range<usize> {
         self.nodes.partition_point(|&node| node < first)..self.nodes.partition_point(|&node| node <= last)
     }
@@ -222,7 +222,7 @@ impl<'a> EventReplay<'a> {
     }
 }
 
-/// Removes the entries of components of a node, or of all its components.
+/// Removes the entries of a node: those of `components`, or of all components if the command applies to all.
 fn remove<T>(entries: &mut BTreeMap<Dof, T>, event: &ValueEvent, node: u32, components: &[u8]) {
     let dofs: Vec<Dof> = if event.has_all_components() {
         entries.range(Dof { node, component: 0 }..=Dof { node, component: u8::MAX }).map(|(dof, _)| *dof).collect()

@@ -1,4 +1,4 @@
-//! Nodes and named groups of nodes: `NBLOCK`, `N` and `CMBLOCK`.
+//! Stores nodes and named groups of nodes, from the commands `NBLOCK`, `N` and `CMBLOCK`.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -16,13 +16,13 @@ use crate::number;
 pub struct AnsysNodes {
     /// Node numbers in the order of the deck; a number may be repeated.
     pub numbers: Vec<u32>,
-    /// Nodes whose axes are rotated.
+    /// Nodes whose axes differ from the global axes.
     pub rotated: Vec<u32>,
     /// Named groups as ranges of nodes; names are in capitals.
     pub groups: FxHashMap<String, Vec<(u32, u32)>>,
     /// Named groups whose members are not known.
     pub unknown_groups: FxHashSet<String>,
-    /// Named groups of other entities.
+    /// Names of groups of other entities, for example elements.
     pub other_groups: FxHashSet<String>,
     /// Whether commands may generate nodes that this reader does not know.
     pub are_generated: bool,
@@ -33,22 +33,22 @@ pub struct AnsysNodes {
 /// The block that data lines belong to.
 #[derive(Debug, Default)]
 enum DataBlock {
-    /// A block that is not read, or none.
+    /// A block that this reader does not read, or no block.
     #[default]
     Other,
-    /// `NBLOCK`; the format is `None` until its line is read.
+    /// `NBLOCK`, a block of nodes. The format is `None` until its line is read.
     Nodes(Option<BlockFormat>),
-    /// `CMBLOCK` of nodes: its name, the number of members still to read, and the format.
+    /// `CMBLOCK` of nodes: the name of the group, the number of members still to read, and the format of the lines.
     Group(String, u32, Option<BlockFormat>),
 }
 
 impl AnsysNodes {
-    /// `NBLOCK, NUMFIELD, Solkey, NDMAX, NDSEL`.
+    /// Begins the block of `NBLOCK, NUMFIELD, Solkey, NDMAX, NDSEL`, which defines nodes.
     pub fn block(&mut self) {
         self.block = DataBlock::Nodes(None);
     }
 
-    /// `CMBLOCK, Cname, Entity, NUMITEMS`.
+    /// Begins the block of `CMBLOCK, Cname, Entity, NUMITEMS`, which names a group.
     pub fn group(&mut self, command: &AnsysCommand) -> Result<(), FieldFault> {
         let name = group_name(command.field(1));
         if !command.field(2).to_ascii_uppercase().starts_with(b"NODE") {
@@ -65,12 +65,12 @@ impl AnsysNodes {
         Ok(())
     }
 
-    /// Ends the block: a command follows its data.
+    /// Ends the block. A block has no end mark of its own: the next command ends it.
     pub fn end(&mut self) {
         self.block = DataBlock::Other;
     }
 
-    /// Reads a data line. The first one of a block is the format of the others.
+    /// Reads a data line. The first line of a block is the format of its other lines.
     pub fn data(&mut self, line: &[u8]) -> Result<(), FieldFault> {
         match std::mem::take(&mut self.block) {
             DataBlock::Other => {}
@@ -89,7 +89,7 @@ impl AnsysNodes {
         Ok(())
     }
 
-    /// `N, NODE, X, Y, Z, THXY, THYZ, THZX`; in an archive `N, R5.3, LOC, NODE, SOLID, PARM, X, Y, Z`.
+    /// Defines a node: `N, NODE, X, Y, Z, THXY, THYZ, THZX`, or in an archive `N, R5.3, LOC, NODE, SOLID, PARM, X, Y, Z`.
     pub fn command(&mut self, command: &AnsysCommand) -> Result<(), FieldFault> {
         let archive = command.archive_tag().is_some();
         let text = command.field(if archive { 3 } else { 1 });
@@ -97,7 +97,7 @@ impl AnsysNodes {
             return Ok(());
         }
         if text.is_empty() {
-            // ANSYS numbers the node one above its highest node, which this reader may not know.
+            // Without a number, ANSYS numbers the node one above its highest node. This reader may not know that node.
             self.are_generated = true;
             return Ok(());
         }
@@ -117,7 +117,7 @@ impl AnsysNodes {
         Ok(())
     }
 
-    /// Reads one node; returns false at the -1 that ends the block.
+    /// Reads a row of `NBLOCK`, which defines one node. Returns false at the -1 that ends the block.
     fn row(&mut self, format: &BlockFormat, line: &[u8]) -> Result<bool, FieldFault> {
         let first = format.integers(line).next().unwrap_or_default();
         if first.starts_with(b"-") {
@@ -144,8 +144,8 @@ impl AnsysNodes {
         Ok(true)
     }
 
-    /// Reads at most `count` members from a line, and returns how many are still to read. A negative number is the end of
-    /// the range that the number before it begins.
+    /// Reads at most `count` members of a group from a line, and returns how many are still to read. A negative number ends the range that
+    /// begins with the number before it.
     fn members(&mut self, name: &str, mut count: u32, format: &BlockFormat, line: &[u8]) -> Result<u32, FieldFault> {
         let group = self.groups.entry(name.to_owned()).or_default();
         for (k, text) in format.integers(line).enumerate().filter(|(_, text)| !text.is_empty()) {

@@ -1,20 +1,20 @@
-//! Equations or coupled sets by number.
+//! A container of equations or coupled sets by their number.
 //!
-//! Items with ascending numbers, as in most decks, are appended to a list. An item with a number below the last one is stored in a map.
+//! Items whose numbers ascend, as in most decks, are appended to a list. An item with a number below the last one is stored in a map.
 
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
 use crate::deck::paged_list::PagedList;
 
-/// Equations or coupled sets by number.
+/// Equations or coupled sets, each with its number.
 #[derive(Debug)]
 pub struct NumberedSets<T> {
-    /// In ascending order; `None` for a removed one. The last one is never removed.
+    /// Items in ascending order of numbers; `None` marks a removed one. The last one is never removed.
     list: PagedList<(u32, Option<T>)>,
     /// Number of `None` in `list`.
     removed: usize,
-    /// Items that were inserted after one with a higher number.
+    /// Items that were inserted after an item with a higher number.
     late: BTreeMap<u32, T>,
 }
 
@@ -29,7 +29,7 @@ impl<T> NumberedSets<T> {
         self.list.len() - self.removed + self.late.len()
     }
 
-    /// The highest number.
+    /// The highest number of all items.
     pub fn highest(&self) -> Option<u32> {
         let late = self.late.last_key_value().map(|(&number, _)| number);
         self.list.last().map(|(number, _)| *number).max(late)
@@ -42,12 +42,12 @@ impl<T> NumberedSets<T> {
         }
     }
 
-    /// The value of this number if it is the last of the list, which is the usual case.
+    /// The item of this number if it is the last of the list, which is the usual case; `None` otherwise.
     pub fn last_mut(&mut self, number: u32) -> Option<&mut T> {
         self.list.last_mut().filter(|(last, _)| *last == number)?.1.as_mut()
     }
 
-    /// Sets the value of this number and returns the previous one.
+    /// Sets the item of this number and returns the previous one.
     pub fn insert(&mut self, number: u32, value: T) -> Option<T> {
         let is_above = self.list.last().is_none_or(|(last, _)| *last < number);
         if let Some(known) = if is_above { self.late.get_mut(&number) } else { self.get_mut(number) } {
@@ -61,7 +61,7 @@ impl<T> NumberedSets<T> {
         None
     }
 
-    /// The value of this number, which is `new()` if there was none.
+    /// The item of this number. If there is none, inserts `new()` first.
     pub fn get_or_insert_with(&mut self, number: u32, new: impl FnOnce() -> T) -> &mut T {
         if self.get_mut(number).is_none() {
             self.insert(number, new());
@@ -78,12 +78,12 @@ impl<T> NumberedSets<T> {
         numbers
     }
 
-    /// Removes and returns the value of this number.
+    /// Removes and returns the item of this number.
     pub fn remove(&mut self, number: u32) -> Option<T> {
         let removed = self.index(number).and_then(|index| self.list[index].1.take());
         self.removed += usize::from(removed.is_some());
         let removed = removed.or_else(|| self.late.remove(&number));
-        // Compacts the list if more than half of it is `None`, which bounds the time to skip these.
+        // Compacts the list if more than half of its items are removed. This bounds the time to skip them.
         if 2 * self.removed > self.list.len() || self.list.last().is_some_and(|(_, value)| value.is_none()) {
             self.compact();
         }
@@ -94,7 +94,7 @@ impl<T> NumberedSets<T> {
         *self = Self::default();
     }
 
-    /// All in ascending order of their numbers.
+    /// All items in ascending order of their numbers.
     pub fn iter(&self) -> impl Iterator<Item = (u32, &T)> {
         let mut list = self.list.iter().filter_map(|(number, value)| Some((*number, value.as_ref()?))).peekable();
         let mut late = self.late.iter().map(|(&number, value)| (number, value)).peekable();
@@ -130,7 +130,7 @@ impl<T> NumberedSets<T> {
 mod tests {
     use super::*;
 
-    /// Compares with a map after each of many random operations.
+    /// Does many random operations on the container and on a standard map, and compares the two after each.
     #[test]
     fn sets_do_what_a_map_does() {
         let (mut sets, mut map) = (NumberedSets::default(), BTreeMap::new());

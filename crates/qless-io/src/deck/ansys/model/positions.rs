@@ -9,7 +9,7 @@ use crate::deck::kinematics::body::Pose;
 use crate::deck::kinematics::vector::Vector;
 use crate::number;
 
-/// The axes after rotations by these angles about z, the new x and the new y.
+/// The axes of a node after three rotations: by the first angle about z, by the second about the new x, by the third about the new y.
 fn rotated_axes([z, x, y]: [f64; 3]) -> [Vector; 3] {
     let [[cz, sz], [cx, sx], [cy, sy]] = [z, x, y].map(|degrees| [cosine(degrees), sine(degrees)]);
     [
@@ -26,9 +26,9 @@ fn cosine(degrees: f64) -> f64 {
 /// Positions and axes of nodes in the deck.
 #[derive(Debug, Default)]
 pub struct NodePositions {
-    /// Positions by node; `None` if they are not needed.
+    /// The position of each node; `None` if positions are not needed.
     pub kept: Option<HashMap<u32, [f64; 3]>>,
-    /// Angles of rotated nodes in degrees: about z, then the new x, then the new y.
+    /// Three angles for each rotated node, in degrees: about z, then about the new x, then about the new y.
     angles: HashMap<u32, [f64; 3]>,
     /// Whether a command rotated axes in a way that this reader does not follow.
     axes_unknown: bool,
@@ -37,12 +37,12 @@ pub struct NodePositions {
 }
 
 impl NodePositions {
-    /// Keeps positions from now on.
+    /// Stores the positions that are read from now on.
     pub fn keep(&mut self) {
         self.kept = Some(HashMap::new());
     }
 
-    /// `CSYS, KCN`, and commands that define a coordinate system, which becomes the active one.
+    /// Updates `is_local`: `CSYS, KCN` activates a coordinate system, and so do commands that define one.
     pub fn coordinate_system(&mut self, command: &AnsysCommand) {
         self.is_local = match &command.key {
             b"CSYS" => !command.field(1).iter().all(|&byte| byte == b'0'),
@@ -51,7 +51,7 @@ impl NodePositions {
         };
     }
 
-    /// `NROTAT` and other commands that rotate the axes of nodes.
+    /// Records that `NROTAT` or another command rotates the axes of nodes: from now on the axes are unknown.
     pub fn rotate(&mut self) {
         self.axes_unknown = true;
     }
@@ -63,7 +63,7 @@ impl NodePositions {
         Some(Pose { position, axes })
     }
 
-    /// Sets the axes of a node; they are the global ones if all angles are 0.
+    /// Sets the axes of a node. If all angles are 0, they are the global axes.
     pub fn set_axes(&mut self, node: u32, angles: [f64; 3]) {
         if self.kept.is_none() {
             return;
@@ -75,7 +75,7 @@ impl NodePositions {
         }
     }
 
-    /// A node of a block: the first three floats are its coordinates; missing ones are 0.
+    /// Stores the position of a node of `NBLOCK`. The first three floats of its row are the coordinates; missing ones are 0.
     pub fn row<'a>(&mut self, node: u32, mut floats: impl Iterator<Item = &'a [u8]>) {
         if let Some(kept) = &mut self.kept {
             let mut next = || floats.next().and_then(|text| number::real(text).ok()).unwrap_or(0.0);
@@ -83,7 +83,7 @@ impl NodePositions {
         }
     }
 
-    /// Coordinates in three fields from `first` on; in archives they are global.
+    /// Stores the coordinates of a node from three fields, the first of which is `first`. In archives they are global.
     pub fn command(&mut self, node: u32, command: &AnsysCommand, first: usize, in_archive: bool) {
         let Some(kept) = self.kept.as_mut() else { return };
         kept.remove(&node);
@@ -110,7 +110,7 @@ mod tests {
         assert_eq!(rotated_axes([90.0, 0.0, 0.0]), [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]);
         assert_eq!(rotated_axes([0.0, 90.0, 0.0]), [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]);
         assert_eq!(rotated_axes([0.0, 0.0, 90.0]), [[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]]);
-        // After the first rotation the new x axis is the old y axis: the second rotation is about it.
+        // After the first rotation, the new x axis is the old y axis. So the second rotation is about the old y axis.
         near(rotated_axes([90.0, 90.0, 0.0]), [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]);
         near(
             rotated_axes([30.0, 0.0, 0.0]),

@@ -1,4 +1,4 @@
-//! Selected nodes and DOFs, as far as this reader follows selections: by number and by component name.
+//! Keeps the selected nodes and DOFs, as far as this reader follows selections: by number and by component name.
 //!
 //! ```text
 //! NSEL,  Type, Item, Comp, VMIN, VMAX, VINC
@@ -11,12 +11,12 @@ use super::nodes::{AnsysNodes, group_name};
 use crate::deck::ansys::syntax::command::AnsysCommand;
 use crate::deck::ansys::syntax::field::{is_nothing, whole};
 
-/// Limit on the ranges of a selection; a selection with more becomes unknown.
+/// Limit on the ranges of a selection. A selection with more ranges counts as unknown.
 const RANGES: usize = 1000;
-/// Limit on the nodes that a selection is compared with; beyond it the members are unknown.
+/// Limit on the nodes of a deck: if there are more, the selected nodes are not listed and count as unknown.
 const MEMBERS: usize = 5_000_000;
 
-/// First, last and step.
+/// First node, last node and step.
 pub type NodeRange = (u32, u32, u32);
 
 /// The selected nodes.
@@ -42,7 +42,7 @@ impl Default for NodeSelection {
 }
 
 impl NodeSelection {
-    /// `NSEL`.
+    /// Executes `NSEL`, which selects nodes.
     pub fn nodes_by(&mut self, command: &AnsysCommand) {
         let by_number = (command.is(2, "NODE") || command.field(2).is_empty()) && command.field(3).is_empty();
         let first = whole(command.field(4));
@@ -58,7 +58,7 @@ impl NodeSelection {
         }
     }
 
-    /// `CMSEL`; a group of other entities leaves the selected nodes as they are.
+    /// Executes `CMSEL`, which selects the nodes of a group. For a group of other entities the selected nodes do not change.
     pub fn components_by(&mut self, command: &AnsysCommand, nodes: &AnsysNodes) {
         if nodes.other_groups.contains(&group_name(command.field(2))) {
             return;
@@ -73,8 +73,8 @@ impl NodeSelection {
         self.select(&command.field(1).to_ascii_uppercase(), ranges);
     }
 
-    /// `CM, Cname, Entity`: names the selected nodes, or other entities, as a group. A group of nodes is known only if the
-    /// selection is a list of ranges without gaps.
+    /// Executes `CM, Cname, Entity`, which gives the selected nodes, or other selected entities, a group name. The members of a group of
+    /// nodes are known only if the selection is a list of ranges without gaps.
     pub fn name_group(&self, command: &AnsysCommand, nodes: &mut AnsysNodes) {
         let name = group_name(command.field(1));
         if !command.is(2, "NODE") {
@@ -95,7 +95,7 @@ impl NodeSelection {
         nodes.unknown_groups.insert(name);
     }
 
-    /// The nodes of `ALL` or of a group, ascending; `None` if they are unknown.
+    /// The selected nodes for the word `ALL`, else the nodes of the group with this name; ascending. `None` if they are unknown.
     pub fn members(&self, word: &str, nodes: &AnsysNodes) -> Option<BTreeSet<u32>> {
         let ranges = match (word.to_ascii_uppercase().as_str(), &self.nodes) {
             ("ALL", SelectedNodes::All) => vec![(1, u32::MAX, 1)],

@@ -1,4 +1,4 @@
-//! Terms of all equations in one list. An equation needs a list of its own only for terms that are added after another
+//! Stores the terms of all equations in one common list. An equation needs a list of its own only for terms that are added after another
 //! equation has begun.
 
 use crate::deck::Dof;
@@ -9,16 +9,16 @@ use crate::deck::paged_list::PagedList;
 #[derive(Debug, Default)]
 pub struct TermStore {
     list: PagedList<DofCoefficient>,
-    /// Terms of equations that continue after another equation has begun.
+    /// Lists for the terms that were added to an equation after another equation had begun.
     more: Vec<Vec<DofCoefficient>>,
 }
 
-/// The terms of one equation: a range of the common list, and a list of its own.
+/// The terms of one equation: a range of the common list, and possibly a list of its own.
 #[derive(Debug, Default)]
 pub struct OwnedTerms {
     start: u32,
     count: u32,
-    /// One more than the index in `TermStore::more`; 0 without such a list.
+    /// One more than the index of the equation's own list in `TermStore::more`; 0 if it has none.
     more: u32,
 }
 
@@ -46,7 +46,7 @@ impl TermStore {
         self.more[to.more as usize - 1].push(term);
     }
 
-    /// Copies the terms of an equation.
+    /// Copies the terms of an equation, so that a version for earlier load steps remains when they change.
     pub fn copy(&mut self, owned: &OwnedTerms) -> OwnedTerms {
         let terms: Vec<DofCoefficient> = self.iter(owned).collect();
         let mut copy = OwnedTerms::default();

@@ -12,7 +12,7 @@ use crate::deck::ansys::syntax::field::FieldFault;
 use crate::deck::{DeckError, Origin};
 
 impl AnsysReader {
-    /// Executes one command. `next` is the start of the next line if this line has no other command.
+    /// Executes one command. `next` is the start of the next line if this command is the only one on its line.
     pub fn command(&mut self, command: AnsysCommand, next: Option<TextPosition>) -> Result<(), DeckError> {
         let last = std::mem::take(&mut self.last_name);
         let repeats = command.name.is_empty();
@@ -28,8 +28,8 @@ impl AnsysReader {
         result
     }
 
-    /// Marks the place before `from` and all later ones as repeated: a command that begins with a comma repeats the name of the previous
-    /// one, so the text of both commands must stay.
+    /// Marks the commands from index `from` on, and the one before them, as repeated. A command that begins with a comma repeats the name
+    /// of the previous one, so the text of both must stay.
     fn keep_text(&mut self, from: usize) {
         let places = self.places.iter_mut().flatten().skip(from.saturating_sub(1));
         places.for_each(|place| place.repeats = true);
@@ -124,7 +124,7 @@ impl AnsysReader {
             },
             b"F   " | b"FDEL" => match load(command, &self.nodes, &self.selection) {
                 Ok(read) => read.into_iter().for_each(|read| self.dof_command(command, read)),
-                // A load of unknown nodes constrains nothing.
+                // A load constrains nothing, so it does not matter which nodes it acts on.
                 Err(Rejection::LeftOut(_)) => {}
                 Err(Rejection::Fault(fault)) => return Err(fault),
             },
@@ -156,7 +156,8 @@ impl AnsysReader {
     }
 }
 
-/// Whether parameters in the fields of a command are resolved. Those of `RBE3` name arrays, which `RBE3` itself resolves.
+/// Whether parameters in the fields of a command are replaced by their values here. Fields of `RBE3` may name arrays, which `RBE3` itself
+/// resolves.
 fn is_read(key: CommandKey) -> bool {
     const READ: [&CommandKey; 14] = [
         b"CE  ", b"CECM", b"CEDE", b"CP  ", b"CPDE", b"CERI", b"D   ", b"DDEL", b"F   ", b"FDEL", b"N   ", b"NSEL",
@@ -175,7 +176,7 @@ fn sets_parameters(key: CommandKey) -> bool {
 }
 
 impl AnsysReader {
-    /// Notes that a line makes or changes equations.
+    /// Records that a line makes or changes equations.
     pub fn note(&mut self, line: u32) {
         self.made.is_open = self.control.is_within();
         self.made.line = self.made.line.max(line);

@@ -21,32 +21,32 @@ use crate::bytes::LINE;
 use crate::deck::{DeckError, Dof, Model, Problem};
 use unread::UnreadCommands;
 
-/// Place of a command that belongs to an equation or a coupled set; `write` edits these commands.
+/// The place of a command that belongs to an equation or a coupled set. `write` edits the text at these places.
 #[derive(Clone, Debug)]
 pub struct CommandPlace {
-    /// Its bytes in the file.
+    /// The bytes of the command in the file.
     pub range: Range<usize>,
-    /// Its line, from 1.
+    /// The line of the command, from 1.
     pub line: u32,
     pub owner: CommandOwner,
-    /// Whether a loop executes it or a comma repeats its name: then its text cannot be removed for one equation alone.
+    /// Whether a loop executes the command or a comma repeats its name. Then its text cannot be removed for one equation alone.
     pub repeats: bool,
 }
 
-/// The owner of a command: an equation or coupled set by number, or a region by index, which generates equations.
+/// The owner of a command: an equation or a coupled set by number, or a `CERIG` or `RBE3` by its index among the regions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum CommandOwner {
     Equation(u32),
     Coupled(u32),
     Region(usize),
-    /// Several of these, or none.
+    /// Several of these owners, or none.
     Other,
 }
 
-/// The part of the deck that makes equations.
+/// Where the deck makes equations.
 #[derive(Debug, Default)]
 pub struct EquationsMade {
-    /// The last line that makes equations, or that ends a block which does.
+    /// The last line that makes equations or closes a block of commands that makes them.
     pub line: u32,
     /// Whether a block that is still open makes equations.
     is_open: bool,
@@ -54,7 +54,7 @@ pub struct EquationsMade {
     pub unread: bool,
 }
 
-/// State after the commands read so far.
+/// The state of the reader after the commands that it has read so far.
 #[derive(Debug, Default)]
 pub struct AnsysReader {
     pub model: Model,
@@ -64,16 +64,16 @@ pub struct AnsysReader {
     pub events: Vec<ValueEvent>,
     /// DOFs that the model has although no equation names them.
     pub others: Vec<Dof>,
-    /// Commands of equations and coupled sets, in order; `None` if they are not needed.
+    /// The commands that belong to equations and coupled sets, in order; `None` if they are not needed.
     pub places: Option<Vec<CommandPlace>>,
     pub selection: NodeSelection,
     pub elements: ElementTypes,
     pub parameters: ApdlParameters,
     pub control: FlowControl,
     pub made: EquationsMade,
-    /// Whether a command needs positions of nodes, which were not kept.
+    /// Whether a command needs the positions of nodes although the reader did not keep them.
     pub needs_positions: bool,
-    /// Whether the previous command constrains; `*REPEAT` would repeat it.
+    /// Whether the previous command constrains: then `*REPEAT` would repeat a constraint.
     pub constrained: bool,
     /// Name of the previous command; a line that begins with a comma repeats it.
     pub last_name: Vec<u8>,
@@ -81,7 +81,7 @@ pub struct AnsysReader {
     pub ended: bool,
     /// Line of the first `SOLVE`.
     pub solved_at: Option<u32>,
-    /// The archive tag, if the deck has the format of an archive.
+    /// The archive tag, such as `R5.0`, if the deck has the format of an archive.
     pub archive: Option<&'static str>,
     pub unread: UnreadCommands,
 }
@@ -92,17 +92,17 @@ impl AnsysReader {
         Self::with(path, text, |_| ())
     }
 
-    /// Like `read`; keeps the places of equations and coupled sets.
+    /// Like `read`, but also keeps the places of the commands that make equations and coupled sets.
     pub fn with_places(path: &Path, text: &[u8]) -> Result<Self, DeckError> {
         Self::with(path, text, |reader| reader.places = Some(Vec::new()))
     }
 
-    /// Like `read`; keeps the positions of nodes.
+    /// Like `read`, but also keeps the positions of nodes.
     pub fn with_positions(path: &Path, text: &[u8]) -> Result<Self, DeckError> {
         Self::with(path, text, |reader| reader.nodes.positions.keep())
     }
 
-    /// Positions cost memory: reads the text again to keep them if a command needs them.
+    /// Reads the text without the positions of nodes, which cost memory. If a command needs them, reads the text again and keeps them.
     fn with(path: &Path, text: &[u8], set: impl Fn(&mut Self)) -> Result<Self, DeckError> {
         let new = || {
             let mut reader = Self { model: Model::new(vec![path.to_path_buf()]), ..Self::default() };
@@ -187,7 +187,7 @@ impl AnsysReader {
                 let next = (commands.len() == 1).then_some(below);
                 commands.into_iter().try_for_each(|command| match self.control.jump {
                     None => self.command(command, next),
-                    // The loop jumps back first; commands after its end are executed after the last iteration.
+                    // A loop jumps back after this line. Commands that follow its end on the line are executed after the last iteration.
                     Some(_) => Ok(()),
                 })
             }

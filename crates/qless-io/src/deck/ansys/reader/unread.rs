@@ -1,5 +1,5 @@
-//! Commands other than the supported constraints: selections and options that change the meaning of later commands, and warnings
-//! about commands that this reader does not support.
+//! Handles commands that this reader does not support, and warns of them; executes selections and options that change the meaning of later
+//! commands.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -11,19 +11,19 @@ use crate::deck::ansys::syntax::known::{CommandEffect, effect};
 /// Limit on warnings; further ones are only counted.
 const WARNINGS: usize = 1000;
 
-/// Unsupported commands met so far, and the number of warnings beyond the limit.
+/// The effects of the unsupported commands so far, and the number of warnings beyond the limit.
 #[derive(Debug, Default)]
 pub struct UnreadCommands {
     effects: FxHashMap<CommandKey, CommandEffect>,
     warned: FxHashSet<Vec<u8>>,
-    /// Warnings beyond the limit.
+    /// Number of warnings beyond the limit, which are not stored.
     pub omitted: usize,
-    /// Whether one of these warnings is about a constraint that is left out.
+    /// Whether one of the omitted warnings is about a constraint that is left out.
     pub leaves_out: bool,
 }
 
 impl AnsysReader {
-    /// Handles a command that makes no constraint that this reader supports.
+    /// Handles a command that is not among the supported constraints.
     pub fn other(&mut self, command: &AnsysCommand) {
         match &command.key {
             b"*IF " => {
@@ -70,7 +70,8 @@ impl AnsysReader {
         !is_made && self.nodes.numbers.is_empty() && self.events.is_empty()
     }
 
-    /// Records the effect of an unsupported command. Warns if it makes, or may make, constraints; of each unknown command only once.
+    /// Records the effect of an unsupported command. Warns if the command makes, or may make, constraints. Warns of an unknown command only
+    /// the first time.
     fn unread(&mut self, command: &AnsysCommand) {
         self.nodes.positions.coordinate_system(command);
         let title = command.title();

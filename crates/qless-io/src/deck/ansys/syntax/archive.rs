@@ -1,4 +1,4 @@
-//! The fast path for the two most frequent lines of archives, with plain numbers and nothing else on the line:
+//! Reads the two most frequent lines of archives by a fast path. They have plain numbers and nothing else on the line:
 //!
 //! ```text
 //! CE,R5.0,DEFI, terms, NEQN, CONST
@@ -11,7 +11,7 @@ use super::label;
 use crate::deck::Dof;
 use crate::number::leading;
 
-/// Limit on the bytes of such a line.
+/// Limit on the bytes of a line that the fast path reads.
 const LINE: usize = 200;
 
 /// A DOF and its coefficient.
@@ -22,21 +22,21 @@ pub type DofCoefficient = (Dof, f64);
 pub struct ArchiveLine {
     /// The tag of the archive.
     pub tag: &'static str,
-    /// Its bytes, line ending included.
+    /// The bytes of the line, line ending included.
     pub length: usize,
     pub statement: ArchiveStatement,
 }
 
-/// The content of such a line.
+/// The content of a line that the fast path has read.
 #[derive(Debug, PartialEq)]
 pub enum ArchiveStatement {
-    /// Number of terms, number of the equation, constant.
+    /// A `DEFI` line, which begins an equation: number of terms, number of the equation, constant.
     Define(u32, u32, f64),
-    /// One or two terms.
+    /// A `NODE` line, which holds one or two terms.
     Terms(DofCoefficient, Option<DofCoefficient>),
 }
 
-/// Reads the first line of the text; `None` leaves it to the general path.
+/// Reads the first line of the text. Returns `None` if the general path must read it.
 pub fn read(text: &[u8]) -> Option<ArchiveLine> {
     let (tag, rest) = match text.first_chunk()? {
         b"CE,R5.0," => ("R5.0", &text[8..]),
@@ -65,11 +65,11 @@ pub fn read(text: &[u8]) -> Option<ArchiveLine> {
     Some(ArchiveLine { tag, length: text.len().min(8 + 5 + LINE) - rest, statement })
 }
 
-/// The rest of the line.
+/// The bytes that are still to read.
 struct ArchiveCursor<'a>(&'a [u8]);
 
 impl<'a> ArchiveCursor<'a> {
-    /// `node, label, coefficient`.
+    /// Reads a term, `node, label, coefficient`.
     fn term(&mut self) -> Option<DofCoefficient> {
         let node = self.whole().filter(|&node| node > 0)?;
         let component = label::component(self.next()?.word())?;
@@ -91,7 +91,7 @@ impl<'a> ArchiveCursor<'a> {
         self.0 = rest;
     }
 
-    /// A whole number of at most nine digits.
+    /// Reads a whole number of at most nine digits.
     fn whole(&mut self) -> Option<u32> {
         self.blanks();
         let (mut value, mut rest) = (0_u32, self.0);
@@ -118,7 +118,7 @@ impl<'a> ArchiveCursor<'a> {
         word
     }
 
-    /// Number of bytes after the end of the line; `None` if the line does not end here.
+    /// Number of bytes in the text after this line; `None` if other characters follow on the line.
     fn end(mut self) -> Option<usize> {
         self.blanks();
         let rest = self.0.strip_prefix(b"\r").unwrap_or(self.0);

@@ -12,19 +12,19 @@ pub struct AnsysCommand<'a> {
     pub key: CommandKey,
     /// The name as in the deck.
     pub name: &'a [u8],
-    /// The whole command, trimmed.
+    /// The text of the whole command, trimmed.
     pub text: &'a [u8],
-    /// The fields after the name, trimmed. Values may replace parameters.
+    /// The fields after the name, trimmed. The reader may replace parameters in them by their values.
     pub fields: Vec<Cow<'a, [u8]>>,
     /// The line, from 1.
     pub line: u32,
-    /// Its bytes in the file, without comment and `$`.
+    /// The bytes of the command in the file, without comment and `$`.
     pub range: Range<usize>,
 }
 
 /// The content of a line.
 pub enum AnsysLine<'a> {
-    /// Data of the command above: numbers, or the format of the data lines.
+    /// A data line of the command above it: numbers, or the format of the following data lines.
     Data(&'a [u8]),
     /// Commands; empty for a blank line or a comment.
     Commands(Vec<AnsysCommand<'a>>),
@@ -49,13 +49,13 @@ impl<'a> AnsysCommand<'a> {
         self.name[..self.name.len().min(32)].to_ascii_uppercase().escape_ascii().to_string()
     }
 
-    /// The tag in field 1, `R5.0` or similar or `UNBL`, that marks a command in the format of archives.
+    /// Field 1 if it marks a command in the format of archives: `UNBL`, or a word such as `R5.0`.
     pub fn archive_tag(&self) -> Option<&[u8]> {
         let field = self.field(1);
         (field.to_ascii_uppercase().starts_with(b"R5.") || self.is(1, "UNBL")).then_some(field)
     }
 
-    /// The command with the name of the previous one, if it begins with a comma.
+    /// If the command begins with a comma, gives it the name of the previous command.
     #[must_use]
     pub fn named_as(self, last: &'a [u8]) -> Self {
         if self.name.is_empty() { Self { key: key(last), name: last, ..self } } else { self }
@@ -115,9 +115,9 @@ fn split(text: &[u8]) -> Vec<Cow<'_, [u8]>> {
     text.split(is_end).map(|field| Cow::Borrowed(field.trim_ascii())).collect()
 }
 
-/// Ends of the commands of a line: each `$`, and `!` or the end of the line. Quoted text does not count.
+/// The end of each command on a line: a `$`, or the `!` or line end after the last command. Characters between quotes do not count.
 fn ends(text: &[u8]) -> Vec<usize> {
-    // If their number is odd, the quotes are apostrophes.
+    // An odd number of quotes means that they are apostrophes.
     let quotes = memchr::memchr_iter(b'\'', text).count().is_multiple_of(2);
     let mut ends = Vec::new();
     let mut quoted = false;

@@ -1,20 +1,20 @@
-//! `*DO`, `*IF` and `*CREATE`: whether and how often commands are executed.
+//! Follows `*DO`, `*IF` and `*CREATE`: decides whether and how often commands are executed.
 //!
-//! If a condition or a bound depends on an unknown value, it is unknown whether the commands of the block are executed.
+//! If a condition or a bound of a block depends on an unknown value, it is unknown whether the commands of the block are executed.
 
 use super::command::AnsysCommand;
 use super::parameters::ApdlParameters;
 use crate::deck::Problem;
 use crate::deck::limits::{ITERATION, REREAD};
 
-/// A position in the text: byte, and line from 1.
+/// A position in the text: a byte, and its line from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TextPosition {
     pub start: usize,
     pub line: u32,
 }
 
-/// An open block.
+/// A block of `*DO`, `*IF` or `*CREATE` that is open.
 #[derive(Clone, Debug)]
 enum FlowBlock {
     /// A loop that is executed.
@@ -23,7 +23,7 @@ enum FlowBlock {
     Taken,
     /// A branch of `*IF` that is skipped; a later branch may be executed.
     Waiting,
-    /// A block that is skipped to its end.
+    /// A block whose remaining commands are all skipped.
     Skipped,
     /// A block that depends on an unknown value.
     Unknown,
@@ -40,7 +40,7 @@ struct DoLoop {
     cycles: bool,
 }
 
-/// Whether commands are executed.
+/// Whether the commands at a place are executed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Execution {
     Executed,
@@ -48,15 +48,15 @@ pub enum Execution {
     Unknown,
 }
 
-/// The open blocks.
+/// The open blocks of `*DO`, `*IF` and `*CREATE`.
 #[derive(Debug, Default)]
 pub struct FlowControl {
     blocks: Vec<FlowBlock>,
-    /// Line of the outermost block.
+    /// Line of the outermost open block.
     opened: u32,
-    /// Bytes that loops have read again.
+    /// Number of bytes that loops have read again.
     again: usize,
-    /// Where to continue reading, if not at the next line.
+    /// Where to continue reading; `None` for the next line.
     pub jump: Option<TextPosition>,
 }
 
@@ -81,8 +81,8 @@ impl FlowControl {
         !self.blocks.is_empty()
     }
 
-    /// Line of the outermost open block, if the missing end of a block may leave commands unexecuted: further iterations of a loop, or
-    /// skipped commands.
+    /// The line of the outermost open block if commands may be lost because a block has no end: further iterations of a loop, or skipped
+    /// commands. `None` otherwise.
     pub fn never_closed(&self) -> Option<u32> {
         let loses = |block: &FlowBlock| !matches!(block, FlowBlock::Taken | FlowBlock::Unknown);
         self.blocks.iter().any(loses).then_some(self.opened)
@@ -122,7 +122,7 @@ impl FlowControl {
         Ok(true)
     }
 
-    /// `*DO, Par, IVAL, FVAL, INC`.
+    /// Opens the loop `*DO, Par, IVAL, FVAL, INC`.
     fn open_loop(&mut self, command: &AnsysCommand, next: Option<TextPosition>, parameters: &mut ApdlParameters) {
         if self.state() == Execution::Skipped {
             return self.blocks.push(FlowBlock::Skipped);
@@ -165,7 +165,7 @@ impl FlowControl {
         Ok(())
     }
 
-    /// `*IF, VAL1, Oper1, VAL2, Base1, VAL3, Oper2, VAL4, Base2`. Returns false if it jumps to another line.
+    /// Executes `*IF, VAL1, Oper1, VAL2, Base1, VAL3, Oper2, VAL4, Base2`. Returns false if it jumps to another line.
     fn open_if(&mut self, command: &AnsysCommand, parameters: &ApdlParameters) -> bool {
         let has = |word: &str| command.fields.iter().skip(3).any(|field| field.eq_ignore_ascii_case(word.as_bytes()));
         if has("THEN") {
@@ -192,13 +192,13 @@ impl FlowControl {
         true
     }
 
-    /// Makes the open loops unknown.
+    /// Marks the open loops as unknown, because it is unknown whether an `*EXIT` or `*CYCLE` is executed.
     fn forget_loops(&mut self) {
         let loops = self.blocks.iter_mut().filter(|block| matches!(block, FlowBlock::Loop(_)));
         loops.for_each(|block| *block = FlowBlock::Unknown);
     }
 
-    /// `*ELSEIF` and `*ELSE`.
+    /// Executes `*ELSEIF` or `*ELSE`: ends one branch of `*IF` and begins the next.
     fn divide(&mut self, condition: impl FnOnce() -> Option<bool>) {
         let Some(block) = self.blocks.last_mut() else { return };
         match block {
@@ -248,7 +248,7 @@ fn condition(command: &AnsysCommand, parameters: &ApdlParameters) -> Option<bool
     }
 }
 
-/// Whether a word ends the condition: it does not combine a further comparison.
+/// Whether a word ends the condition of `*IF`. `AND`, `OR` and `XOR` do not: they combine it with a further comparison.
 fn is_end(word: &[u8]) -> bool {
     ![&b"AND"[..], b"OR", b"XOR"].iter().any(|other| word.eq_ignore_ascii_case(other))
 }

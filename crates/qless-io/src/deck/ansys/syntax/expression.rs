@@ -1,21 +1,21 @@
-//! Expressions: numbers, `+ - * / **`, parentheses, parameters, elements of arrays and a few functions.
+//! Evaluates expressions: numbers, `+ - * / **`, parentheses, parameters, elements of arrays and a few functions.
 //!
-//! Operators of equal precedence are evaluated from left to right, as in ANSYS. An unknown word has no value.
+//! Operators of equal precedence are evaluated from left to right, as in ANSYS. A word without a known meaning has no value.
 
 /// Why a text has no value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoValue {
-    /// The text is no expression, or it names an undefined parameter.
+    /// The text is no expression, or it names a parameter that is not defined.
     NotAnExpression,
     /// The value depends on something that this reader does not know.
     Unknown,
 }
 
-/// Values of names.
+/// Looks up the values of names in expressions.
 pub trait NameLookup {
-    /// A parameter.
+    /// The value of a parameter.
     fn scalar(&self, name: &str) -> Result<f64, NoValue>;
-    /// An element of an array, or a function.
+    /// The value of an array element, or of a function with these arguments.
     fn call(&self, name: &str, arguments: &[f64]) -> Result<f64, NoValue>;
 }
 
@@ -120,7 +120,7 @@ impl<N: NameLookup> ExpressionParser<'_, N> {
         self.names.scalar(&name)
     }
 
-    /// `(a, b, c)`, at least one.
+    /// Reads the arguments in `(a, b, c)`; there must be at least one.
     fn arguments(&mut self) -> Result<Vec<f64>, NoValue> {
         self.take(b"(");
         let mut values = vec![self.deeper(Self::sum)?];
@@ -166,13 +166,13 @@ pub fn is_later(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || byte == b'_'
 }
 
-/// An array of `*DIM`: numbers by up to three indices from 1, of which the first varies fastest.
+/// An array that `*DIM` defines: numbers with up to three indices from 1. The first index varies fastest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ApdlArray {
     pub sizes: [usize; 3],
-    /// NaN for unknown elements.
+    /// The elements; NaN for an unknown one.
     pub values: Vec<f64>,
-    /// False once a command has set an element whose index is unknown.
+    /// False after a command has set an element whose index is unknown.
     pub is_known: bool,
 }
 

@@ -14,12 +14,12 @@ pub fn expected(command: &AnsysCommand, at: usize, expected: &'static str) -> Fi
     (Some(at), Problem::Expected { expected, found: quote(command.field(at)) })
 }
 
-/// A whole number of at least 1 that fits 32 bits.
+/// Reads a whole number of at least 1 that fits into 32 bits.
 pub fn whole(text: &[u8]) -> Option<u32> {
     number::whole(text).and_then(|value| u32::try_from(value).ok()).filter(|&value| value > 0)
 }
 
-/// The number in field `at`; 0 for an empty field, and for an underflow, as in ANSYS.
+/// The number in field `at`. An empty field is 0, and so is a number that underflows, as in ANSYS.
 pub fn real(command: &AnsysCommand, at: usize) -> Result<f64, FieldFault> {
     let text = command.field(at);
     match number::real(text) {
@@ -35,7 +35,7 @@ pub fn component(command: &AnsysCommand, at: usize) -> Result<u8, FieldFault> {
     label::component(command.field(at)).ok_or_else(|| expected(command, at, EXPECTED))
 }
 
-/// The node in field `at`, and whether it is negative, which means removal.
+/// The node in field `at`, and true if its number is negative. A negative number removes the node's terms.
 pub fn signed_node(command: &AnsysCommand, at: usize) -> Result<(u32, bool), FieldFault> {
     let text = command.field(at);
     let digits = text.strip_prefix(b"-").unwrap_or(text);
@@ -43,12 +43,13 @@ pub fn signed_node(command: &AnsysCommand, at: usize) -> Result<(u32, bool), Fie
     Ok((node, digits.len() < text.len()))
 }
 
-/// Whether field `at` is empty or 0.
+/// Whether field `at` is empty or consists of zeros.
 pub fn is_nothing(command: &AnsysCommand, at: usize) -> bool {
     command.field(at).iter().all(|&byte| byte == b'0')
 }
 
-/// `(first, last, step)` with last and step in fields `at` and `at + 1`. A blank last is `first`, a blank step is 1.
+/// `(first, last, step)`; fields `at` and `at + 1` hold last and step. A blank last means `first`, a blank step means 1, and a last below
+/// `first` counts as `first`.
 pub fn range(command: &AnsysCommand, first: u32, at: usize) -> Result<(u32, u32, u32), FieldFault> {
     const EXPECTED: &str = "a whole number from 1";
     let or = |at: usize, default: u32| {

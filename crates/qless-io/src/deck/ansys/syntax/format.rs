@@ -7,7 +7,7 @@ const FIELDS: usize = 100;
 /// Limit on the width of a field.
 const WIDTH: usize = 1000;
 
-/// Widths of the whole numbers, which come first, and of the floats after them.
+/// The widths of the fields of a line: first whole numbers, then floats.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct BlockFormat {
     integers: Vec<usize>,
@@ -25,17 +25,17 @@ impl BlockFormat {
         (!format.integers.is_empty()).then_some(format)
     }
 
-    /// The whole numbers of a line, up to its end.
+    /// The fields of a line that hold whole numbers, up to the end of the line.
     pub fn integers<'a>(&'a self, line: &'a [u8]) -> impl Iterator<Item = &'a [u8]> + 'a {
         fields(&self.integers, 0, line)
     }
 
-    /// The floats of a line, up to its end.
+    /// The fields of a line that hold floats, up to the end of the line.
     pub fn floats<'a>(&'a self, line: &'a [u8]) -> impl Iterator<Item = &'a [u8]> + 'a {
         fields(&self.floats, self.integers.iter().sum(), line)
     }
 
-    /// `3i9` or `6e21.13e3`.
+    /// Adds the fields of a format item such as `3i9` or `6e21.13e3`.
     fn add(&mut self, item: &[u8]) -> Option<()> {
         let at = item.iter().position(u8::is_ascii_alphabetic)?;
         let repeat = if at == 0 { 1 } else { whole(&item[..at])? };

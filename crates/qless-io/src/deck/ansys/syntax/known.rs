@@ -1,4 +1,4 @@
-//! Effects on constraints of the commands that this reader does not support.
+//! Tells what the commands that this reader does not support do to constraints.
 
 use super::command::CommandKey;
 
@@ -11,23 +11,24 @@ pub enum CommandEffect {
     MakesNodes,
     /// It reads commands or data from another place, or repeats commands.
     ReadsOthers,
-    /// It does not matter for constraints.
+    /// It has no effect on constraints.
     Nothing,
     Unknown,
 }
 
-/// Rigid regions, interfaces, symmetry, constraints of the solid model, merged nodes and the like.
+/// Commands that make or change constraints: rigid regions, interfaces, symmetry, constraints of the solid model, merged nodes and the
+/// like.
 const CONSTRAIN: &str = "CEIN CECY CESG CPIN CPLG CPSG CPNG CPCY CPME DSYM DK DL DA DJ DTRA SBCT DSCA DFLX DVAL \
     CBDO CYCL CYCO PSME SLOA NUMM DCVS DSUR EMBE MCFO";
 
-/// Generation of nodes and meshes, and copies of them.
+/// Commands that generate or copy nodes and meshes.
 const NODES: &str = "NGEN FILL NSYM NREA NDIS KMES LMES AMES VMES FVME IMES VSWE VDRA VROT VEXT EXTO EGEN EINT ESUR ENGE NKPT \
     CENT NMOV UPGE EREI ESYM ENSY VOFF AMAP VMAP XMES OMES NWPL NORA EMOR EORI NTRA  TRNO MOVE EREA";
 
 /// Commands that read other files or execute other commands.
 const OTHERS: &str = "/INP *USE CDRE RESU INRE PARR LSRE LDRE LSSO IGES /CLE *REP *GO ~CAT EXUN FLRE";
 
-/// Other commands of archives and plain decks: elements, materials, sections, loads, output, the solid model.
+/// Commands of archives and plain decks without effect on constraints: elements, materials, sections, loads, output, the solid model.
 const NOTHING: &str = "ET EN E EBLO TYPE MAT REAL SECN SECT SECD SECO SECB SECC SECF SECP ESYS KEYO KEYW R RMOR RLBL RDEL \
     MP MPDA MPTE MPDE MPTR MPCO TB TBDA TBTE TBFI TBPT TBEO TBDE TBMO TBIN ETBL ETDE ETCO DOF ELIS NLIS ERES  SHPP TSHA TOFF \
     CM CMBL CMDE CMGR CMSE CMED CMLI NSEL NSLE NSLK NSLL NSLA NSLV ESEL ESLN ESLL ESLA ESLV ALLS KSEL KSLL KSLN LSEL LSLA LSLK \

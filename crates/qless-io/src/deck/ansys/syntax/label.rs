@@ -1,13 +1,13 @@
-//! Labels of degrees of freedom, and the components that they mean.
+//! Labels of degrees of freedom, and the component numbers that they stand for.
 
-/// Labels of components 1, 2, 3 and so on; 1 to 6 are displacements and rotations as in every format.
+/// The labels of components 1, 2, 3 and so on. Components 1 to 6 are displacements and rotations, as in every format.
 const LABELS: [&str; 38] = [
     "UX", "UY", "UZ", "ROTX", "ROTY", "ROTZ", "WARP", "PRES", "VOLT", "MAG", "TEMP", "TBOT", "TTOP", "CONC", "AX",
     "AY", "AZ", "EMF", "CURR", "HDSP", "VX", "VY", "VZ", "ENKE", "ENDS", "SE", "SO", "SW", "SRA", "SRT", "GFV1",
     "GFV2", "GFV3", "GLAM", "SP01", "SP02", "SP03", "SP04",
 ];
 
-/// Labels of loads, with the component that the load acts on.
+/// The labels of loads. Each comes with the component on which the load acts.
 const LOADS: [(&str, u8); 15] = [
     ("FX", 1),
     ("FY", 2),
@@ -26,11 +26,11 @@ const LOADS: [(&str, u8); 15] = [
     ("CSGZ", 17),
 ];
 
-/// Labels of time derivatives, which `D` can prescribe as well.
+/// The labels of velocities and accelerations, which `D` can prescribe as well.
 const RATES: [&str; 12] =
     ["VELX", "VELY", "VELZ", "OMGX", "OMGY", "OMGZ", "ACCX", "ACCY", "ACCZ", "DMGX", "DMGY", "DMGZ"];
 
-/// Offset of the components `TE2` to `TE99`, temperatures of the layers of a shell.
+/// `TEn`, the temperature of layer n of a shell (2 to 99), is component n plus this.
 const LAYER: u8 = 100;
 
 /// The component that a label stands for.

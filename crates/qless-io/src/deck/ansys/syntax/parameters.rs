@@ -36,8 +36,8 @@ struct AssignmentTarget {
 }
 
 impl ApdlParameters {
-    /// Executes `name = value`; returns false if the text is no assignment. If it is `unknown` whether the assignment is executed,
-    /// the new value is unknown.
+    /// Executes `name = value`; returns false if the text is no assignment. If `unknown` is true, it is not known whether the assignment is
+    /// executed, so the new value is unknown.
     pub fn assign(&mut self, text: &[u8], unknown: bool) -> bool {
         let Some((target, rest)) = target(text) else { return false };
         let Some(values) = rest.trim_ascii_start().strip_prefix(b"=") else { return false };
@@ -45,7 +45,7 @@ impl ApdlParameters {
         true
     }
 
-    /// `*SET, name, value, value, ...` and other commands that set parameters.
+    /// Executes `*SET, name, value, value, ...` and other commands that set parameters.
     pub fn command(&mut self, command: &AnsysCommand, unknown: bool) {
         let field = |at: usize| command.field(at).to_vec();
         let Some((target, _)) = target(command.field(1)) else { return };
@@ -70,7 +70,7 @@ impl ApdlParameters {
         }
     }
 
-    /// Sets a number.
+    /// Sets a parameter to a number.
     pub fn define(&mut self, name: &str, value: f64) {
         self.put(name.to_owned(), Some(ParameterValue::Number(value)));
     }
@@ -98,7 +98,7 @@ impl ApdlParameters {
         Ok(())
     }
 
-    /// Elements of an array from `NAME` or `NAME(3)` on; `None` if they are unknown.
+    /// The elements of an array, from the first one for `NAME`, or from element 3 for `NAME(3)`. `None` if they are unknown.
     pub fn elements(&self, text: &[u8]) -> Option<&[f64]> {
         let (target, rest) = target(text)?;
         let ParameterValue::Array(array) = self.values.get(&target.name)? else { return None };
@@ -109,7 +109,8 @@ impl ApdlParameters {
         (array.is_known && rest.trim_ascii().is_empty()).then(|| &array.values[first..])
     }
 
-    /// The text that replaces a field; `None` to keep the field. The error is the start of a field whose value is unknown.
+    /// The text that replaces a field, or `None` if the field stays. If the field's value is unknown, the error holds the first characters
+    /// of the field.
     fn replacement(&self, field: &[u8]) -> Result<Option<Vec<u8>>, String> {
         let unknown = || String::from_utf8_lossy(&field[..field.len().min(32)]).into_owned();
         if let Some(quoted) = field.strip_prefix(b"'").and_then(|rest| rest.strip_suffix(b"'")) {
@@ -147,7 +148,7 @@ impl ApdlParameters {
         };
         let index = match self.values.get(&target.name) {
             Some(ParameterValue::Array(array)) => self.index(array, indices),
-            // Constraints do not depend on the content of tables.
+            // The element of a table may be ignored: constraints do not depend on the content of tables.
             Some(ParameterValue::Table) => return,
             _ => return self.forget(&target.name),
         };
@@ -195,7 +196,7 @@ impl ApdlParameters {
         }
     }
 
-    /// Index in `values` of the element with these indices.
+    /// The index in `ApdlArray::values` of the element with these indices.
     fn index(&self, array: &ApdlArray, indices: &str) -> Result<usize, NoValue> {
         let texts = split(indices.as_bytes());
         let indices: Vec<f64> = texts.iter().map(|text| self.number(text)).collect::<Result<_, _>>()?;
@@ -264,7 +265,7 @@ fn split(text: &[u8]) -> Vec<Vec<u8>> {
     .collect()
 }
 
-/// The value as a field. Whole numbers have no decimal point, as they may be node numbers.
+/// Writes a value as the text of a field. Whole numbers get no decimal point, as they may be node numbers.
 fn field_text(value: f64) -> Vec<u8> {
     if value.fract() == 0.0 && value.abs() < 1e15 { format!("{}", value as i64) } else { format!("{value:?}") }
         .into_bytes()

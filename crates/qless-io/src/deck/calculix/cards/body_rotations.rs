@@ -10,8 +10,8 @@ use crate::deck::calculix::model::DeckDefinitions;
 use crate::deck::calculix::model::elements::ElementShape;
 use crate::deck::{Dof, Model};
 
-/// A rotation is free if the determinant of [`Gram`] is at most this fraction of the product of its diagonal. Rounding of the coefficients
-/// and of the six products leaves about a hundred units in the last place, a quarter of this limit.
+/// A rotation is free if the determinant of its [`Gram`] matrix is at most this fraction of the product of the diagonal entries. Rounding
+/// alone gives a determinant of about a quarter of this limit.
 const FREE: f64 = 1e-13;
 
 /// A rigid body or a kinematic coupling, with file and line of its card.
@@ -21,9 +21,9 @@ pub struct ReadBody {
     pub line: u32,
 }
 
-/// Checks the rotations of all bodies, and of couplings.
+/// Checks the rotations of all rigid bodies and kinematic couplings.
 pub fn check(model: &mut Model, definitions: &DeckDefinitions, bodies: &[ReadBody], couplings: &[ReadBody]) {
-    // If ccx expands elements into solids, it does not stop at free rotations.
+    // ccx stops at a free rotation only if it expands no elements into solids.
     let is_expanded = definitions.blocks.iter().any(|block| ElementShape::from_type(&block.kind).is_expanded());
     for bodies in [bodies, couplings].into_iter().filter(|bodies| !bodies.is_empty() && !is_expanded) {
         find_free(model, definitions, bodies);
@@ -31,12 +31,12 @@ pub fn check(model: &mut Model, definitions: &DeckDefinitions, bodies: &[ReadBod
     warn_of_idle(model, definitions, bodies);
 }
 
-/// `sum r r^T`, where r holds the three coefficients of a rotation in one equation. The matrix is singular if the
-/// rotation about some axis is free, for example if the reference and all nodes of the body lie on a line.
+/// `sum r r^T` over the equations of a rotation. In each equation, r holds the three coefficients of the rotation's components. The matrix
+/// is singular if the rotation about some axis is free, for example if the reference and all nodes of the body lie on a line.
 type Gram = [[f64; 3]; 3];
 
-/// Refuses a free rotation about a global axis. Only warns of a free rotation about another axis, because rounding errors may keep ccx from
-/// finding it free.
+/// Refuses a free rotation about a global axis, at which ccx stops. Only warns of a free rotation about another axis: with rounding errors,
+/// ccx may not notice that it is free.
 fn find_free(model: &mut Model, definitions: &DeckDefinitions, bodies: &[ReadBody]) {
     let grams = grams(model, bodies);
     let mut seen = BTreeSet::new();
@@ -83,7 +83,7 @@ fn grams(model: &Model, bodies: &[ReadBody]) -> FxHashMap<Dof, Gram> {
     grams
 }
 
-/// For each free rotation, the global axis (0 to 2) closest to its axis, and whether the two axes are the same.
+/// Finds the free rotations. Returns for each the global axis (0 to 2) closest to its axis, and whether the two axes are the same.
 fn free(gram: &Gram) -> Vec<(usize, bool)> {
     let aligned: Vec<(usize, bool)> = (0..3).filter(|&k| gram[k][k] == 0.0).map(|k| (k, true)).collect();
     let minor = |k: usize| {
@@ -138,7 +138,7 @@ mod tests {
     fn what_no_row_holds_is_free() {
         assert_eq!(free(&Gram::default()), [(0, true), (1, true), (2, true)]);
         assert_eq!(free(&gram(&[[0.0, 0.3, 0.0], [0.7, 0.0, 0.0]])), [(2, true)]);
-        // The rows of a point at (1, 2, -3): the rotation about the line from the origin to the point is free.
+        // Rows of a point at (1, 2, -3). The rotation about the line from the origin to this point is free.
         assert_eq!(free(&gram(&[[0.0, -3.0, -2.0], [3.0, 0.0, 1.0], [2.0, -1.0, 0.0]])), [(2, false)]);
         assert_eq!(free(&gram(&[[0.0, -3.0, -2.0], [3.0, 0.0, 1.0], [2.0, -1.0, 0.0], [0.0, 1.0, 0.1]])), []);
     }

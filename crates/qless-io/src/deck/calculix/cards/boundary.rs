@@ -1,12 +1,12 @@
-//! `*BOUNDARY`: `node or set, first component, last component, value`, or a named support. `*CLOAD`: `node or set,
-//! component, value`.
+//! Reads `*BOUNDARY`, with lines `node or set, first component, last component, value` or with a named support, and `*CLOAD`, with lines
+//! `node or set, component, value`.
 
 use crate::deck::calculix::model::{DeckDefinitions, folded};
 use crate::deck::calculix::syntax::{DataFields, FieldFault, KeywordCard, Scope, component, number};
 use crate::deck::{DeckError, Dof, Load, Model, Origin, Prescribed, Problem};
 use crate::fault::quote;
 
-/// Named supports and the components that they fix.
+/// Names of supports, and the components that each of them fixes.
 const SUPPORTS: [(&str, &[u8]); 8] = [
     ("ENCASTRE", &[1, 2, 3, 4, 5, 6]),
     ("PINNED", &[1, 2, 3]),
@@ -18,7 +18,7 @@ const SUPPORTS: [(&str, &[u8]); 8] = [
     ("ZASYMM", &[1, 2, 6]),
 ];
 
-/// Reads the prescribed values of a card, in its order.
+/// Reads the prescribed values of a `*BOUNDARY` card, in the order of its lines.
 pub fn read(
     card: &KeywordCard,
     model: &mut Model,
@@ -41,7 +41,7 @@ pub fn read(
     Ok(prescribed)
 }
 
-/// Time history of a card's values: the step's default, or a named amplitude, possibly delayed.
+/// The time history of a card's values. It is 0, the default of the step, or a named amplitude, possibly delayed.
 fn history(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions) -> Result<u32, Problem> {
     let Some(amplitude) = card.word("AMPLITUDE") else { return Ok(0) };
     if !definitions.amplitudes.contains(&amplitude) {
@@ -53,7 +53,7 @@ fn history(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions)
     })
 }
 
-/// Reads the DOFs that a card loads.
+/// Reads the DOFs that a `*CLOAD` card loads.
 pub fn loads(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions) -> Result<Vec<Load>, DeckError> {
     let number = model.card("*CLOAD", card.file, card.line);
     let mut loads = Vec::new();
@@ -69,7 +69,7 @@ pub fn loads(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinition
     Ok(loads)
 }
 
-/// `node or set, first, last`, where `last` defaults to `first`; or `node or set, support`.
+/// Reads the DOFs in `node or set, first, last`, where `last` defaults to `first`, or in `node or set, support`.
 pub fn range(scope: Scope, fields: &mut DataFields, definitions: &DeckDefinitions) -> Result<Vec<Dof>, FieldFault> {
     let nodes = nodes(scope, fields, definitions)?;
     let components = components(fields)?;

@@ -1,8 +1,7 @@
 //! `*COUPLING` with `*KINEMATIC` or `*DISTRIBUTING`.
 //!
-//! In Abaqus, a distributing reference moves as the weighted mean of its nodes, `u_r = A_r S^-1 sum w_k a_k^T u_k`
-//! (symbols as in `kinematics::mean`). In ccx, the card only distributes forces: the motion of the reference does not
-//! move the surface.
+//! In Abaqus, the reference of a distributing coupling moves as the weighted mean of the coupled nodes, `u_r = A_r S^-1 sum w_k a_k^T u_k`
+//! (symbols as in `kinematics::mean`). In ccx, the card only distributes forces: the motion of the reference does not move the surface.
 
 use crate::deck::calculix::cards::rigid::{BodyReference, kinematic, own_rotation};
 use crate::deck::calculix::cards::{CardEquation, RegisteredCard, refused};
@@ -15,7 +14,7 @@ use crate::deck::kinematics::vector::{length, minus};
 use crate::deck::{DeckError, Model, Problem, Solver};
 use crate::fault::quote;
 
-/// A `*COUPLING` card; the next card decides its type.
+/// A `*COUPLING` card. The card that follows it, `*KINEMATIC` or `*DISTRIBUTING`, decides its type.
 #[derive(Clone)]
 pub struct CouplingCard {
     scope: Scope,
@@ -38,7 +37,7 @@ impl CouplingCard {
         }
     }
 
-    /// The reference node, given as a node or a set of one node.
+    /// The reference node. The card gives its number or a set of one node.
     pub fn reference(&self, definitions: &DeckDefinitions) -> Result<u32, Problem> {
         if self.reference.is_empty() {
             return Err(Problem::NoParameter { name: "REF NODE" });
@@ -53,7 +52,7 @@ impl CouplingCard {
         surface.is_ok_and(|surface| reference.is_some_and(|reference| surface.all_nodes().contains(&reference)))
     }
 
-    /// Nodes of the surface within the radius of influence, without the reference.
+    /// The coupled nodes: those of the surface within the radius of influence, without the reference.
     fn nodes(&self, definitions: &DeckDefinitions) -> Result<Vec<u32>, Problem> {
         let reference = self.reference(definitions)?;
         let mut nodes = DeckSurface::find(definitions, self.scope, &self.surface)?.all_nodes();
@@ -100,12 +99,12 @@ impl CouplingCard {
     }
 }
 
-/// `*KINEMATIC` without data couples nothing in ccx and everything in Abaqus.
+/// Whether the card couples nothing: without data, `*KINEMATIC` couples nothing in ccx, but all components in Abaqus.
 fn couples_nothing(card: &KeywordCard, solver: Solver) -> bool {
     solver == Solver::Ccx && card.lines().next().is_none()
 }
 
-/// Reads `*KINEMATIC` or `*DISTRIBUTING` after `*COUPLING`. Returns false if it constrains nothing.
+/// Reads `*KINEMATIC` or `*DISTRIBUTING` after `*COUPLING`. Returns false if the card gives no equations.
 pub fn read(
     card: &KeywordCard,
     coupling: &CouplingCard,
@@ -135,7 +134,7 @@ pub fn read(
     }
     let constrains = model.equations() > before;
     if is_kinematic && constrains {
-        // Making the rows has already checked that the reference exists.
+        // The default is never used, because `rows` has already checked that the reference exists.
         let reference = BodyReference::with_rotations(coupling.reference(definitions).unwrap_or_default());
         own_rotation(&place, reference, model, definitions);
         linearised(card, &place, model);
@@ -146,8 +145,8 @@ pub fn read(
     Ok(constrains)
 }
 
-/// Adds the equations of a coupling. If there are any, equations cannot replace the card, because the solver adds rotations to the
-/// reference.
+/// Adds the equations `rows` of a coupling. If there are any, marks the card: equations cannot replace it in the deck, because the solver
+/// adds rotations to the reference.
 pub fn finish(
     card: &KeywordCard,
     place: &RegisteredCard,
@@ -172,7 +171,7 @@ fn distance(definitions: &DeckDefinitions, a: u32, b: u32) -> Result<f64, Proble
     Ok(length(minus(definitions.position(a)?, definitions.position(b)?)))
 }
 
-/// Weight of each node by its distance from the reference, relative to the largest distance.
+/// The weight of each node. It depends on the distance from the reference, divided by the largest such distance.
 fn weights(card: &KeywordCard, of: &DeckDefinitions, reference: u32, nodes: &[u32]) -> Result<Vec<f64>, Problem> {
     const EXPECTED: &str = "UNIFORM, LINEAR, QUADRATIC or CUBIC";
     let method = card.word("WEIGHTINGMETHOD").unwrap_or_else(|| "UNIFORM".into());
@@ -191,7 +190,7 @@ fn weights(card: &KeywordCard, of: &DeckDefinitions, reference: u32, nodes: &[u3
     Ok(if weights.iter().all(|&x| x == 0.0) { vec![1.0; nodes.len()] } else { weights })
 }
 
-/// Equations of a weighted mean motion.
+/// The equations by which the reference moves as the weighted mean of the nodes in `groups`.
 pub fn mean(
     definitions: &DeckDefinitions,
     reference: u32,
@@ -208,7 +207,7 @@ pub fn translations() -> Components {
     Components::parse(b"123").unwrap_or_default()
 }
 
-/// Components given as `first, last` on each line; all from 1 to `most` if the card has no data.
+/// Reads components from lines `first, last`. A card without data means all components from 1 to `most`.
 fn components(card: &KeywordCard, most: u8) -> Result<Vec<u8>, Problem> {
     let mut components = Vec::new();
     for line in DataLines::new(&card.data) {
@@ -219,7 +218,7 @@ fn components(card: &KeywordCard, most: u8) -> Result<Vec<u8>, Problem> {
     Ok(if components.is_empty() { (1..=most).collect() } else { components })
 }
 
-/// Components `first, last`; all up to `most` if both are missing.
+/// Reads components from `first, last`. If both are missing, they are all components from 1 to `most`.
 pub fn range<'a>(fields: &mut impl Iterator<Item = &'a [u8]>, most: u8) -> Result<Vec<u8>, Problem> {
     const EXPECTED: &str = "a degree of freedom from 1 to 6";
     let mut next = || {

@@ -1,6 +1,6 @@
-//! `*CYCLIC SYMMETRY MODEL` with `*TIE, CYCLIC SYMMETRY`, for nodal diameter 0. The slave side of the sector moves as
-//! the rotated master side: `e . u_s = (R e) . sum N_i u_i` for every direction e. R rotates the slave side onto the
-//! master side; N_i are shape functions.
+//! `*CYCLIC SYMMETRY MODEL` with `*TIE, CYCLIC SYMMETRY`, for nodal diameter 0. The slave side of the sector moves as the rotated master
+//! side: `e . u_s = (R e) . sum N_i u_i` for every direction e. R rotates the slave side onto the master side. N_i are the shape functions
+//! of the master's faces, and u_i the displacements of its nodes.
 //!
 //! Slave and master nodes are matched by radius and height. A slave node without a partner is rotated by one sector; it
 //! follows the point on the master's faces that is then nearest.
@@ -17,12 +17,12 @@ use crate::deck::kinematics::vector::{Vector, dot, length, minus, plus, scaled};
 use crate::deck::{DeckError, Model, Problem};
 use crate::fault::quote;
 
-/// Default for the largest distance between partners, relative to the size of the slave side.
+/// Default for the largest distance between a slave node and its partner, relative to the size of the slave side.
 const TOLERANCE: f64 = 1e-4;
 /// A node lies on the axis if its radius is below this fraction of its distance from the origin.
 const AXIS: f64 = 1e-9;
 
-/// Adds the equations of a model card and its tie, or leaves the card out with a warning.
+/// Adds the equations of a `*CYCLIC SYMMETRY MODEL` card and its tie, or leaves the card out with a warning.
 pub fn read(
     card: &KeywordCard,
     tie: &KeywordCard,
@@ -47,7 +47,7 @@ pub fn read(
     Ok(())
 }
 
-/// One sector: its axis and its two sides.
+/// One sector of the model: its axis and angle, and the nodes and faces of its two sides.
 struct Sector<'a> {
     definitions: &'a DeckDefinitions,
     axis: Frame,
@@ -80,13 +80,13 @@ impl<'a> Sector<'a> {
         Ok(Self { definitions, axis, angle, slaves, masters, faces, tolerance })
     }
 
-    /// Equations of all slaves; `None` if a slave lies on the axis, or has neither a partner nor a master face nearby.
+    /// The equations of all slaves. `None` if a slave lies on the axis, or has neither a partner nor a master face nearby.
     fn rows(&self) -> Result<Option<Vec<CardEquation>>, Problem> {
         let mut masters = Vec::with_capacity(self.masters.len());
         for &master in &self.masters {
             masters.push((master, self.meridian(self.definitions.position(master)?)));
         }
-        // Sorted by radius, so that only few nodes are compared.
+        // The masters are sorted by radius, so that each slave is compared with only a few of them.
         masters.sort_by(|a, b| a.1[0].total_cmp(&b.1[0]));
         let grid = FaceGrid::new(&self.faces, self.tolerance);
         let mut rows = Vec::with_capacity(3 * self.slaves.len());
@@ -106,14 +106,14 @@ impl<'a> Sector<'a> {
         Ok(Some(rows))
     }
 
-    /// Radius and height of a point.
+    /// The radius of a point about the axis, and its height along the axis.
     fn meridian(&self, x: Vector) -> [f64; 2] {
         let from = minus(x, self.axis.origin);
         let [first, second, third] = self.axis.axes.map(|axis| dot(axis, from));
         [first.hypot(second), third]
     }
 
-    /// The master node that is nearest in radius and height, if it is within the tolerance.
+    /// The master node that is nearest to the radius r and the height z of a slave; `None` if it is beyond the tolerance.
     fn partner(&self, masters: &[(u32, [f64; 2])], [r, z]: [f64; 2]) -> Option<u32> {
         let start = masters.partition_point(|(_, meridian)| meridian[0] < r - self.tolerance);
         let near = masters[start..].iter().take_while(|(_, meridian)| meridian[0] <= r + self.tolerance);
@@ -140,7 +140,7 @@ impl<'a> Sector<'a> {
         plus(plus(self.axis.origin, axial), across)
     }
 
-    /// Equations of the three components of a slave.
+    /// The equations by which the three components of a slave follow its partners.
     fn follow(&self, slave: u32, position: Vector, partners: &[(u32, f64)]) -> Result<Vec<CardEquation>, Problem> {
         let mut there = [0.0; 3];
         for &(node, weight) in partners {
@@ -157,7 +157,7 @@ impl<'a> Sector<'a> {
     }
 }
 
-/// Diagonal of the bounding box of nodes.
+/// The diagonal of the bounding box of these nodes.
 fn size(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<f64, Problem> {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for &node in nodes {

@@ -1,4 +1,4 @@
-//! `*EQUATION`: the number of terms, then `node, component, coefficient` for each of them, several to a line.
+//! Reads `*EQUATION`: a line with the number of terms, then `node, component, coefficient` for each term, several to a line.
 
 use std::rc::Rc;
 
@@ -8,10 +8,10 @@ use crate::deck::calculix::syntax::{DataFields, DataLine, FieldFault, KeywordCar
 use crate::deck::{DeckError, Dof, Model, Origin, Problem};
 use crate::fault::quote;
 
-/// Most terms of an equation.
+/// Largest number of terms of an equation.
 const TERMS: u32 = 50_000_000;
 
-/// Nodes of a term: one node, or a set, which gives one equation for each of its nodes.
+/// The nodes of a term: one node, or a set. With sets, the card gives one equation for each of their members.
 enum TermNodes {
     One(u32),
     Set(Rc<Vec<u32>>),
@@ -23,7 +23,7 @@ struct EquationTerm {
     coefficient: f64,
 }
 
-/// Adds the equations of a card.
+/// Adds the equations of an `*EQUATION` card.
 pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions) -> Result<(), DeckError> {
     let mut lines = card.lines();
     let mut terms: Vec<EquationTerm> = Vec::new();
@@ -53,7 +53,7 @@ pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions
     Ok(())
 }
 
-/// Consecutive `*EQUATION` cards of a file are stored as one, to save memory.
+/// The number of the card for the equations of this line. Consecutive `*EQUATION` cards of a file share one number, to save memory.
 fn number_for(file: u32, line: u32, model: &mut Model) -> u32 {
     match model.cards.last() {
         Some(last) if last.name == "*EQUATION" && last.file == file => model.cards.len() as u32 - 1,
@@ -76,7 +76,7 @@ fn count(head: &DataLine) -> Result<usize, FieldFault> {
     Ok(terms as usize)
 }
 
-/// Reads the terms on a line; refuses more terms than promised.
+/// Reads the terms on a line. An error if the equation then has more terms than promised.
 fn add_terms(
     line: &DataLine,
     promised: usize,
@@ -110,7 +110,7 @@ fn nodes(field: &[u8], (scope, definitions): (Scope, &DeckDefinitions)) -> Resul
     }
 }
 
-/// Adds one equation, or one for each member of the sets, which must have the same size.
+/// Adds one equation. If terms name sets, which must have the same size, adds one equation for each of their members.
 fn push(terms: &[EquationTerm], origin: Origin, model: &mut Model) -> Result<(), Problem> {
     let mut sizes =
         terms.iter().filter_map(|term| if let TermNodes::Set(set) = &term.nodes { Some(set.len()) } else { None });
@@ -132,7 +132,8 @@ fn push(terms: &[EquationTerm], origin: Origin, model: &mut Model) -> Result<(),
     Ok(())
 }
 
-/// `*EQUATION, REMOVE`: finds the equations whose slaves are listed as `node or set, first, last`, or all equations.
+/// Reads `*EQUATION, REMOVE`. Returns the equations whose slaves the card lists as `node or set, first, last`; with `REMOVE ALL`, all
+/// equations.
 pub fn removed(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions) -> Result<Vec<u32>, DeckError> {
     let all = 0..model.equations() as u32;
     if card.parameter("REMOVEALL").is_some() {

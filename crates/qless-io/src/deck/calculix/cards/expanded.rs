@@ -1,8 +1,8 @@
 //! Constraints at nodes of beams, trusses, shells, membranes and plane elements, which ccx expands into solids.
 //!
-//! The node of the deck stays, and the new nodes follow it in the mean. Equations and values of its translations therefore hold as the deck
-//! gives them. ccx replaces other constraints, mostly by equations between new nodes. The new equations may contradict each other. This
-//! reader reports the replaced constraints as left out, so the model is incomplete:
+//! The node of the deck stays, and the mean of the new nodes follows it. So equations and values of its translations hold as the deck gives
+//! them. ccx replaces other constraints, mostly by equations between new nodes, which may contradict each other. This reader reports the
+//! replaced constraints as left out, so the model is incomplete:
 //!
 //! | constraint | ccx 2.20 |
 //! | --- | --- |
@@ -22,10 +22,10 @@ const ROTATION: &str = "with equations of their own for rotations";
 const MPC: &str = "with rules of its own for *MPC";
 const THIRD: &str = "of which component 3 stays zero";
 
-/// For each kind of constraint: the place and the DOF that were found first, and all DOFs.
+/// For each kind of constraint that ccx changes: where it was found first, the DOF found there, and all DOFs found.
 type Found = BTreeMap<&'static str, (Origin, Dof, BTreeSet<Dof>)>;
 
-/// Reports the constraints that ccx changes during the expansion as left out, with one warning for each kind.
+/// Reports the constraints that ccx changes when it expands elements into solids. They count as left out; each kind gives one warning.
 pub fn leave_out(model: &mut Model, definitions: &DeckDefinitions) {
     if !definitions.blocks.iter().any(|block| ElementShape::from_type(&block.kind).is_expanded()) {
         return;
@@ -59,7 +59,7 @@ fn is_rotation(dof: Dof, definitions: &DeckDefinitions) -> bool {
     (4..=6).contains(&dof.component) && !definitions.expanded_at(dof.node).is_empty()
 }
 
-/// Why ccx may change an equation of this card with this DOF; `None` if it keeps the equation.
+/// Why ccx may change an equation of `card` because of the term on `dof`; `None` if it does not.
 fn why(dof: Dof, model: &Model, card: u32, definitions: &DeckDefinitions) -> Option<&'static str> {
     let name = model.cards.nth(card).name;
     if is_rotation(dof, definitions) {

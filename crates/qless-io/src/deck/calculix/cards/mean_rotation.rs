@@ -1,9 +1,8 @@
-//! `*MPC` of type MEANROT, and the slave that ccx chooses for it.
+//! Reads `*MPC` of type MEANROT, and chooses the slave that ccx chooses for it.
 //!
-//! ccx searches the nodes in the order of the card, usually up to the first node with a free DOF. The slave is the free
-//! DOF with the largest coefficient. A DOF is taken, not free, if it is the slave of an earlier equation or is
-//! prescribed earlier. ccx reads `*COUPLING` before all other cards and `*TIE` after them. This module therefore
-//! chooses the slaves after the whole deck is read.
+//! ccx searches the nodes in the order of the card, usually up to the first node with a free DOF. The slave is the free DOF with the
+//! largest coefficient. Here a DOF is free unless it is the slave of an earlier equation or is prescribed earlier. ccx reads `*COUPLING`
+//! before all other cards and `*TIE` after them. Therefore the slaves are chosen after the whole deck is read.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -13,26 +12,26 @@ use crate::deck::kinematics::vector::{Vector, cross, dot, length, minus, plus, s
 use crate::deck::{Dof, Model, Problem};
 use crate::fault::quote;
 
-/// Name of the card.
+/// Name of these cards in the model.
 pub const NAME: &str = "*MPC MEANROT";
 
-/// Smallest coefficient of a slave, in the form of [`equation`].
+/// The coefficient of a slave must exceed this; [`equation`] scales the coefficients.
 const SMALLEST: f64 = 1e-5;
-/// Cards with at most this many nodes sum the coefficients in the order of ccx.
+/// For at most this many nodes, coefficients are summed in the order of ccx.
 const ADDED: usize = 2000;
 const NONE_FREE: &str =
     "all DOFs that could be its slave are slaves or prescribed already, or have coefficients below 1e-5";
 
-/// A mean rotation: its equation, and its DOFs that are prescribed before its card.
+/// A `MEANROT`: its equation, the DOFs that are prescribed before its card, and its nodes.
 pub struct MeanRotation {
     pub equation: usize,
     pub prescribed: FxHashSet<Dof>,
-    /// Its nodes, in the order of the card.
+    /// The nodes that the card lists, each once and in its order.
     pub nodes: Vec<u32>,
 }
 
-/// Gives each mean rotation, in the order of the deck, the slave that ccx chooses. If there is none, ccx makes no
-/// equation; the equation is marked as missing.
+/// Gives each mean rotation, in the order of the deck, the slave that ccx chooses. If ccx finds none, it makes no equation, so the equation
+/// is marked as missing.
 pub fn choose_slaves(model: &mut Model, rotations: &[MeanRotation]) {
     let name = |model: &Model, i: usize| model.cards.nth(model.nth(i).origin.card).name;
     let own = |model: &Model, i: usize| model.nth(i).columns.first().copied();
@@ -51,8 +50,8 @@ pub fn choose_slaves(model: &mut Model, rotations: &[MeanRotation]) {
     }
 }
 
-/// Index of the slave's term: the largest coefficient of a free DOF, up to the first node with a free DOF. If the third
-/// component of that node is taken and has a larger coefficient, ccx goes on to the next node.
+/// Index of the slave's term. The slave has the largest coefficient of all free DOFs, up to the first node with a free DOF. If component 3
+/// of that node is not free and has a larger coefficient, ccx goes on to the next node.
 fn slave(model: &Model, rotation: &MeanRotation, taken: &FxHashSet<u32>) -> Option<usize> {
     let own = model.nth(rotation.equation);
     let terms: FxHashMap<Dof, usize> = own.columns.iter().map(|&j| model.dofs[j as usize]).zip(0..).collect();
@@ -76,7 +75,7 @@ fn slave(model: &Model, rotation: &MeanRotation, taken: &FxHashSet<u32>) -> Opti
     found
 }
 
-/// Splits a list into its nodes and its last node, which gives the axis. The list repeats each of the other nodes three
+/// Splits the list of a card into the rotating nodes and its last node, which gives the axis. The list holds each rotating node three
 /// times.
 pub fn nodes(list: &[u32]) -> Result<(Vec<u32>, u32), Problem> {
     match list.split_last() {
@@ -90,9 +89,9 @@ pub fn nodes(list: &[u32]) -> Result<(Vec<u32>, u32), Problem> {
     }
 }
 
-/// `sum_k (e x p_k) / abs(p_k)^2 . (u_k - mean u) = n u_p` for n nodes: u_k is the displacement of node k, p_k its arm from the mean
-/// position, perpendicular to the axis e, and u_p is component 1 of the last node. Nodes on the axis only enter the mean. The card lists
-/// each of the n nodes three times.
+/// `sum_k (e x p_k) / abs(p_k)^2 . (u_k - mean u) = n u_p` for n nodes: u_k is the displacement of node k. p_k is its arm from the mean
+/// position, perpendicular to the axis e. u_p is component 1 of the last node. Nodes on the axis have no term of their own in the sum, but
+/// enter the mean. The card lists each of the n nodes three times.
 pub fn equation(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<CardEquation, Problem> {
     let (nodes, pilot) = self::nodes(nodes)?;
     let axis = definitions.position(pilot)?;
@@ -120,8 +119,8 @@ pub fn equation(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<CardEqua
     Ok(CardEquation { terms, rhs: 0.0 })
 }
 
-/// `r_k - mean r` for each node, with r_k from `rotations`. Up to [`ADDED`] nodes, the sums are formed in the order of
-/// ccx, in quadratic time, because rounding errors decide which of equal coefficients is the largest.
+/// `r_k - mean r` for each node, with r_k from `rotations`. For up to [`ADDED`] nodes, the sums are formed in the order of ccx, which takes
+/// quadratic time: rounding errors decide which of equal coefficients is the largest, and so the slave.
 fn gradients(nodes: &[u32], rotations: &[Vector]) -> Vec<(u32, Vector)> {
     let part = 1.0 / nodes.len() as f64;
     let mean = scaled(rotations.iter().fold([0.0; 3], |sum, rotation| plus(sum, *rotation)), part);

@@ -1,5 +1,5 @@
-//! Cards that constrain, as equations and prescribed values. `reader.rs` calls the module of each card by keyword. This file has the common
-//! parts: cards that are registered in the model, and equations between displacements along any direction.
+//! Turns cards that constrain into equations and prescribed values. `reader.rs` calls the module of each card by keyword. This file holds
+//! what the modules share: cards in the model, and equations between displacements along any direction.
 
 pub mod body_rotations;
 pub mod boundary;
@@ -31,13 +31,13 @@ pub struct CardEquation {
 const ROUNDING: f64 = 1e-14;
 
 impl CardEquation {
-    /// `sum g_k . u_k = rhs` over nodes k, in the local axes of each node. The slave is a component of the first node: the one with the
-    /// largest coefficient.
+    /// Makes the equation `sum g_k . u_k = rhs` over the nodes k, in the local axes of each node. `gradients` holds the nodes and their
+    /// g_k. The slave is the component of the first node with the largest coefficient.
     pub fn along(definitions: &DeckDefinitions, gradients: &[(u32, Vector)], rhs: f64) -> Result<Self, Problem> {
         Self::along_with(definitions, gradients, &[], rhs)
     }
 
-    /// [`CardEquation::along`] with the additional terms `others`, which are never the slave.
+    /// Makes the equation of [`CardEquation::along`] with the additional terms `others`, which are never the slave.
     pub fn along_with(
         definitions: &DeckDefinitions,
         gradients: &[(u32, Vector)],
@@ -47,7 +47,7 @@ impl CardEquation {
         let terms = terms(definitions, gradients)?;
         let first = gradients.first().map_or(0, |(node, _)| *node);
         let own = terms.iter().enumerate().filter(|(_, (dof, _))| dof.node == first);
-        // Ties go to the first component, as in ccx.
+        // If coefficients are equal, the first component is the slave, as in ccx.
         let slave = own.rev().max_by(|a, b| a.1.1.abs().total_cmp(&b.1.1.abs())).map(|(k, _)| k);
         let Some(slave) = slave else {
             return Err(Problem::Degenerate { what: format!("node {first} is not constrained by its geometry") });
@@ -58,7 +58,7 @@ impl CardEquation {
         Ok(equation)
     }
 
-    /// The same equation with `slave` as its slave, if the coefficient of `slave` is as large as that of the present one.
+    /// Makes `slave` the slave of the equation, if its coefficient is as large as that of the present slave.
     pub fn led_by(mut self, slave: Dof) -> Self {
         let at = self.terms.iter().position(|(dof, a)| *dof == slave && a.abs() >= 1.0 - ROUNDING);
         if let Some(at) = at {
@@ -67,8 +67,8 @@ impl CardEquation {
         self
     }
 
-    /// The same equation with a slave that is not in `slaves`, if possible: the component of the same node with the
-    /// largest coefficient.
+    /// Chooses another slave if the present one is in `slaves`: the component of the same node with the largest coefficient that is not in
+    /// `slaves`. If there is none, the slave stays.
     pub fn led_by_none_of(mut self, slaves: &[Dof]) -> Self {
         let own = self.terms[0].0;
         if slaves.contains(&own) {
@@ -89,14 +89,15 @@ impl CardEquation {
         self.rhs /= scale;
     }
 
-    /// `u_a = u_b` in one component.
+    /// The equation `u_a = u_b` for one component of nodes a and b.
     pub fn equal(a: u32, b: u32, component: u8) -> Self {
         let dof = |node| Dof { node, component };
         Self { terms: vec![(dof(a), 1.0), (dof(b), -1.0)], rhs: 0.0 }
     }
 }
 
-/// The terms of `sum g_k . u_k`, in the order of the nodes and in the local axes of each, without rounding errors.
+/// The terms of `sum g_k . u_k`, in the order of the nodes and in the local axes of each node. `gradients` holds the nodes and their g_k.
+/// Coefficients that are rounding errors are dropped.
 fn terms(definitions: &DeckDefinitions, gradients: &[(u32, Vector)]) -> Result<Vec<(Dof, f64)>, Problem> {
     let mut terms: Vec<(Dof, f64)> = Vec::with_capacity(3 * gradients.len());
     for &(node, gradient) in gradients {
@@ -109,28 +110,28 @@ fn terms(definitions: &DeckDefinitions, gradients: &[(u32, Vector)]) -> Result<V
     Ok(terms)
 }
 
-/// A card in the model, to which equations are added.
+/// A card that the model knows, so that equations can be added to it.
 pub struct RegisteredCard {
     pub origin: Origin,
 }
 
 impl RegisteredCard {
-    /// Adds the card to the model under this name.
+    /// Adds the card to the model under `name`.
     pub fn register(card: &KeywordCard, model: &mut Model, name: &'static str) -> Self {
         let number = model.card(name, card.file, card.line);
         let last = card.lines().filter(|line| line.file == card.file).last().map_or(card.line, |line| line.number);
         let lines = (last + 1).saturating_sub(card.line).max(1);
-        // All instances share the text of their part, so the text cannot change for one instance alone.
+        // All instances share the text of their Abaqus part, so the text cannot change for one instance alone.
         model.cards.mark_irreplaceable(number, card.scope != Scope::DECK);
         Self { origin: Origin { card: number, line: card.line, lines } }
     }
 
-    /// An error at the keyword line.
+    /// An error of the card, at its keyword line.
     pub fn fail(&self, model: &Model, problem: Problem) -> DeckError {
         model.error(self.origin, None, problem)
     }
 
-    /// Adds equations, or returns the error at the card.
+    /// Adds the equations in `rows` to the model. If `rows` is a problem, returns it as an error of the card.
     pub fn push(&self, model: &mut Model, rows: Result<Vec<CardEquation>, Problem>) -> Result<(), DeckError> {
         for row in rows.map_err(|problem| self.fail(model, problem))? {
             model.push(row.terms, row.rhs, self.origin);
@@ -138,7 +139,7 @@ impl RegisteredCard {
         Ok(())
     }
 
-    /// Marks the card as one that equations cannot replace.
+    /// Marks the card: equations cannot replace it in the deck.
     pub fn mark_irreplaceable(&self, model: &mut Model) {
         model.cards.mark_irreplaceable(self.origin.card, true);
     }

@@ -1,4 +1,4 @@
-//! `*MPC`: a type and nodes, linearised at the reference configuration.
+//! Reads `*MPC`, which gives a type and nodes. Its equations are linearised at the reference configuration.
 //!
 //! | type | equation |
 //! | --- | --- |
@@ -26,17 +26,17 @@ use crate::fault::quote;
 
 const MEAN_ROTATION: &str = "MEANROT";
 
-/// The first type on a card, which is the only one that ccx reads.
+/// The first type on a card. ccx reads no other type.
 fn first_type(card: &KeywordCard) -> String {
     card.lines().next().and_then(|line| line.fields().next().map(folded)).unwrap_or_default()
 }
 
-/// Whether ccx makes all steps nonlinear because of a card.
+/// Whether the card makes all steps nonlinear in ccx.
 pub fn is_nonlinear(card: &KeywordCard) -> bool {
     card.is("*MPC") && matches!(first_type(card).as_str(), "PLANE" | "STRAIGHT" | "BEAM")
 }
 
-/// Adds the equations of a card. Returns those that are mean rotations, with their nodes.
+/// Adds the equations of an `*MPC` card. Returns the indices and the nodes of those that are mean rotations.
 pub fn read(
     card: &KeywordCard,
     model: &mut Model,
@@ -89,10 +89,10 @@ pub fn read(
     Ok(rotations)
 }
 
-/// A type of constraint, and the nodes of each field after it.
+/// A type of `*MPC`, and the nodes in each of the fields after it.
 type TypedFields = (String, Vec<Vec<u32>>);
 
-/// Reads the types with their nodes; a line that begins with a number continues the list.
+/// Reads the types, each with its nodes. A line that begins with a number continues the list of the line before it.
 fn lists(card: &KeywordCard, definitions: &DeckDefinitions) -> Result<Vec<TypedFields>, Problem> {
     let mut lists: Vec<TypedFields> = Vec::new();
     for line in card.lines() {
@@ -111,7 +111,7 @@ fn lists(card: &KeywordCard, definitions: &DeckDefinitions) -> Result<Vec<TypedF
     Ok(lists)
 }
 
-/// The equations of each pair of nodes.
+/// Calls `equations` for each pair of nodes in the fields, and returns all equations.
 fn of_pairs(
     fields: &[Vec<u32>],
     equations: impl Fn(u32, u32) -> Result<Vec<CardEquation>, Problem>,
@@ -120,8 +120,8 @@ fn of_pairs(
     Ok(rows.into_iter().flatten().collect())
 }
 
-/// Two nodes in all are one pair. Otherwise each node of the first field is paired with the only node, or with the
-/// corresponding node, of the second field.
+/// Pairs the nodes of two fields. Two nodes in all are one pair. Otherwise each node of the first field is paired with the only node of the
+/// second field, or with the node in the same place there.
 fn pairs(fields: &[Vec<u32>]) -> Result<Vec<(u32, u32)>, Problem> {
     match (fields, &fields.concat()[..]) {
         (_, &[a, b]) => Ok(vec![(a, b)]),
@@ -176,7 +176,7 @@ fn straight(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<Vec<CardEqua
     let mut rows = Vec::new();
     for &node in nodes[2..].iter().filter(|node| !nodes[..2].contains(node)) {
         let to_k = minus(definitions.position(node)?, a);
-        // The component along the line follows from the other two.
+        // Two equations suffice: that of the component along the line follows from the other two.
         for i in (0..3).filter(|&i| i != largest) {
             let axis: Vector = std::array::from_fn(|k| f64::from(u8::from(k == i)));
             let (by_k, by_b) = (cross(along, axis), cross(axis, to_k));
@@ -185,8 +185,7 @@ fn straight(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<Vec<CardEqua
             let is_off = off.abs() > 1e-6 * length(along) * length(to_k);
             let gradients = [(node, by_k), (nodes[0], by_a), (nodes[1], by_b)];
             let row = CardEquation::along(definitions, &gradients, if is_off { -off } else { 0.0 })?;
-            // Each of the other two components becomes a slave once, even if all components of the line are equal in
-            // size.
+            // Gives each of the other two components one equation as its slave, even if all components of the line are equal in size.
             rows.push(row.led_by(Dof { node, component: (3 - i - largest) as u8 + 1 }));
         }
     }
@@ -210,8 +209,8 @@ fn distance(definitions: &DeckDefinitions, a: u32, b: u32) -> Result<CardEquatio
     CardEquation::along(definitions, &[(a, along), (b, scaled(along, -1.0))], 0.0)
 }
 
-/// Equation of an upper bound on a distance; `None` while the distance is smaller. The first DOF of the last node,
-/// which the deck has to prescribe, is the excess of the squared distance over the squared bound.
+/// The equation of `DIST`, an upper bound on a distance; `None` while the distance is smaller. Component 1 of the last node, which the deck
+/// has to prescribe, is the squared distance minus the squared bound.
 fn bound(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<Option<CardEquation>, Problem> {
     let [a, _, _, b, _, _, c] = *nodes else {
         let found = nodes.len();

@@ -1,4 +1,4 @@
-//! `*KINEMATIC COUPLING` and `*DISTRIBUTING COUPLING`, the predecessors of `*COUPLING`.
+//! Reads `*KINEMATIC COUPLING` and `*DISTRIBUTING COUPLING`, the predecessors of `*COUPLING`.
 
 use crate::deck::calculix::cards::coupling::{finish, mean, range, translations};
 use crate::deck::calculix::cards::rigid::{BodyReference, kinematic};
@@ -11,7 +11,7 @@ use crate::deck::kinematics::vector::{Vector, scaled};
 use crate::deck::{DeckError, Model, Problem, Solver};
 use crate::fault::quote;
 
-/// `*KINEMATIC COUPLING, REF NODE=`: `node or set, first, last` a line.
+/// Reads `*KINEMATIC COUPLING, REF NODE=`, whose lines hold `node or set, first, last`.
 pub fn kinematic_coupling(
     card: &KeywordCard,
     model: &mut Model,
@@ -41,8 +41,9 @@ pub fn kinematic_coupling(
     finish(card, &place, model, rows)
 }
 
-/// `*DISTRIBUTING COUPLING, ELSET=`: `node or set, weight` a line; the element set holds the reference r. In ccx, with weights w_k and the
-/// first node as slave, `sum w_k u_k - sum w_k u_r = 0` in each direction. In Abaqus: the mean motion.
+/// Reads `*DISTRIBUTING COUPLING, ELSET=`, whose lines hold `node or set, weight`. The only node of the element set is the reference r. In
+/// ccx, node k has the weight w_k, the first node is the slave, and `sum w_k u_k - sum w_k u_r = 0` in each direction. In Abaqus, r moves
+/// as the weighted mean of the nodes.
 pub fn distributing_coupling(
     card: &KeywordCard,
     model: &mut Model,
@@ -65,7 +66,7 @@ pub fn distributing_coupling(
     finish(card, &place, model, rows)
 }
 
-/// The reference, and the nodes with their weights.
+/// The reference of a `*DISTRIBUTING COUPLING`, and the coupled nodes with their weights.
 fn weights(card: &KeywordCard, definitions: &DeckDefinitions) -> Result<(u32, Vec<(u32, f64)>), Problem> {
     let set = card.parameter("ELSET").ok_or(Problem::NoParameter { name: "ELSET" })?;
     let [reference] = definitions.nodes_of(card.scope, set)?[..] else {

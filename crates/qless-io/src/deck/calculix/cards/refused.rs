@@ -1,14 +1,14 @@
-//! Cards that stop ccx when it reads the deck, although their equations are clear.
+//! Refuses cards that stop ccx when it reads the deck, although their equations are clear.
 
 use std::collections::BTreeSet;
 
 use crate::deck::calculix::syntax::{DataLine, KeywordCard, number};
 use crate::deck::{Model, Sources};
 
-/// Most fields of a line.
+/// Largest number of fields of a line in ccx.
 const FIELDS: usize = 16;
 
-/// Refuses a byte order mark in front of a keyword, which ccx then does not recognise. A missed `*HEADING` does no
+/// Refuses a byte order mark in front of a keyword, because ccx then does not recognise the card. If the card is `*HEADING`, this does no
 /// harm.
 pub fn byte_order_marks(sources: &Sources, model: &mut Model) {
     for (file, number) in (0..sources.paths().len()).zip(0..) {
@@ -22,7 +22,7 @@ pub fn byte_order_marks(sources: &Sources, model: &mut Model) {
     }
 }
 
-/// Refuses `*EQUATION` after the start of a step, and lines that ccx does not accept; reports each kind once.
+/// Refuses `*EQUATION` after the start of a step, and its lines that ccx does not accept. Reports each kind of error once for the card.
 pub fn equation(card: &KeywordCard, is_late: bool, model: &mut Model) {
     if is_late {
         model.refuse(card.file, card.line, "ccx stops: *EQUATION follows the start of a step; write it before");
@@ -35,7 +35,7 @@ pub fn equation(card: &KeywordCard, is_late: bool, model: &mut Model) {
     }
 }
 
-/// Why ccx does not accept a line of terms. A line with one field holds the number of terms.
+/// Why ccx does not accept a line of `*EQUATION`; `None` if it does. A line with one field is accepted here: it holds the number of terms.
 fn flaw(line: &DataLine) -> Option<&'static str> {
     let mut fields = line.fields().skip(1).peekable();
     fields.peek()?;
@@ -68,14 +68,14 @@ pub fn mpc(card: &KeywordCard, kind: &str, has_set: bool, model: &mut Model) {
     model.refuse(card.file, card.line, format!("ccx stops: {flaw}"));
 }
 
-/// Refuses a `*COUPLING` without a name.
+/// Refuses a `*COUPLING` without `CONSTRAINT NAME`.
 pub fn coupling(card: &KeywordCard, model: &mut Model) {
     if card.parameter("CONSTRAINTNAME").is_none_or(str::is_empty) {
         model.refuse(card.file, card.line, "ccx stops: *COUPLING has no CONSTRAINT NAME; give it one");
     }
 }
 
-/// Refuses `*KINEMATIC` with rotations, with component 3 of plane elements, or with its reference on its own surface.
+/// Refuses `*KINEMATIC` that couples rotations or component 3 of plane elements, or whose reference is on its own surface.
 pub fn kinematic(
     card: &KeywordCard,
     components: &[u8],

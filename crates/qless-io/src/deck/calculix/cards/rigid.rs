@@ -1,5 +1,5 @@
-//! `*RIGID BODY` and `*KINEMATIC`: `u_k = u_r + w x (x_k - x_r)` at the reference configuration. Node k follows the reference r with the
-//! rotation w; x are positions.
+//! Makes the equations of `*RIGID BODY` and `*KINEMATIC`: `u_k = u_r + w x (x_k - x_r)` at the reference configuration. Node k at x_k
+//! follows the reference node r at x_r with the rotation w.
 
 use crate::deck::calculix::cards::{CardEquation, RegisteredCard};
 use crate::deck::calculix::model::DeckDefinitions;
@@ -17,18 +17,18 @@ pub struct BodyReference {
     pub rotation: Dof,
 }
 
-/// Component for the rotation of a `*RIGID BODY` without `ROT NODE` in CalculiX. No card can name it, and components 4
-/// to 6 are not the rotation.
+/// The component that stands for the rotation of a `*RIGID BODY` without `ROT NODE` in CalculiX. No card can name this rotation; components
+/// 4 to 6 are another one.
 const UNREACHED: u8 = 21;
 
 impl BodyReference {
-    /// A reference whose components 4 to 6 are the rotation.
+    /// A reference node whose components 4 to 6 are the rotation of the body.
     pub fn with_rotations(node: u32) -> Self {
         Self { node, rotation: Dof { node, component: 4 } }
     }
 
-    /// Equation of the motion of a point along a direction e: `e . u_k - e . u_r - (r x e) . w = 0`, with the arm r
-    /// from the reference to the point and the rotation w.
+    /// The equation of the motion of a node k along a direction e: `e . u_k - e . u_r - (r x e) . w = 0`. In it, u_r is the displacement of
+    /// the reference, r the arm from the reference to the node, and w the rotation.
     pub fn follows(
         &self,
         definitions: &DeckDefinitions,
@@ -43,17 +43,17 @@ impl BodyReference {
         CardEquation::along_with(definitions, &gradients, &rotation, 0.0)
     }
 
-    /// The node whose components 1 to 3 are the rotation, if there is one.
+    /// The `ROT NODE`, whose components 1 to 3 are the rotation of the body; `None` if there is none.
     pub fn rotation_node(&self) -> Option<u32> {
         (self.rotation.component == 1).then_some(self.rotation.node)
     }
 
-    /// Whether cards can name the DOFs of the rotation.
+    /// Whether the rotation has DOFs that cards can name.
     pub fn names_rotation(&self) -> bool {
         self.rotation.component != UNREACHED
     }
 
-    /// The three DOFs of the rotation.
+    /// The three DOFs of the body's rotation.
     pub fn rotations(&self) -> [Dof; 3] {
         [0, 1, 2].map(|k| self.rotation_dof(k))
     }
@@ -62,7 +62,7 @@ impl BodyReference {
         Dof { component: self.rotation.component + k as u8, ..self.rotation }
     }
 
-    /// Equation `rotation of a node = rotation of the body` about axis `k`.
+    /// The equation `rotation of a node = rotation of the body` about axis `k`.
     pub fn rotates_with(&self, node: u32, k: usize) -> CardEquation {
         let own = Dof { node, component: k as u8 + 4 };
         CardEquation { terms: vec![(own, 1.0), (self.rotation_dof(k), -1.0)], rhs: 0.0 }
@@ -89,7 +89,7 @@ pub fn read(
     if model.equations() == before {
         return Ok(None);
     }
-    // Equations cannot name a reference that the solver makes, because it has no number in the deck.
+    // Equations in the deck cannot name a reference node that the solver makes: the deck has no number for it.
     if definitions.is_nonlinear || made.is_some() {
         place.mark_irreplaceable(model);
     } else if let Some(reference) = used.filter(|_| card.parameter("ROTNODE").is_none()) {
@@ -109,9 +109,9 @@ struct RigidBodyCard<'a> {
     definitions: &'a DeckDefinitions,
     solver: Solver,
     warnings: Vec<String>,
-    /// Reference node, if the solver makes it.
+    /// The number of the reference node if the solver makes it; `None` if the deck gives it.
     made: Option<u32>,
-    /// Reference that the equations use.
+    /// The reference that the equations use; `None` if no node follows it.
     used: Option<BodyReference>,
 }
 
@@ -145,7 +145,7 @@ impl RigidBodyCard<'_> {
         self.definitions.one_node(self.card.scope, text.as_bytes()).map(Some)
     }
 
-    /// The reference node; without one, ccx makes a node at the origin.
+    /// The reference node that the card names. If it names none, ccx makes a node at the origin.
     fn reference(&mut self) -> Result<u32, Problem> {
         match self.node("REFNODE")? {
             Some(node) => Ok(node),
@@ -158,7 +158,7 @@ impl RigidBodyCard<'_> {
         }
     }
 
-    /// The reference and its rotation, which may belong to another node.
+    /// The reference node and the DOFs of its rotation, which may belong to another node.
     fn motion(&mut self) -> Result<BodyReference, Problem> {
         let node = self.reference()?;
         let own = Dof { node, component: if self.solver == Solver::Ccx { UNREACHED } else { 4 } };
@@ -166,7 +166,7 @@ impl RigidBodyCard<'_> {
         Ok(BodyReference { node, rotation })
     }
 
-    /// Nodes of the body, each once and in the order of the card, and whether they rotate with it.
+    /// The nodes of the body, each once and in the order of the card; true for those that rotate with the body.
     fn nodes(&mut self) -> Result<Vec<(u32, bool)>, Problem> {
         let mut all: Vec<(u32, bool)> = Vec::new();
         for (parameter, rotates) in self.sets() {
@@ -185,8 +185,8 @@ impl RigidBodyCard<'_> {
         Ok(all)
     }
 
-    /// Parameters that name sets, and whether nodes of these sets rotate with the body. A node in several sets belongs
-    /// to the first. ccx ignores parameters that it does not know, and the whole card if it knows none of them.
+    /// The parameters that name sets; true for those whose nodes rotate with the body. A node in several sets belongs to the first of
+    /// these. ccx ignores parameters that it does not know, and the whole card if it knows none of them.
     fn sets(&mut self) -> Vec<(&'static str, bool)> {
         if self.solver != Solver::Ccx {
             return vec![("PINNSET", false), ("TIENSET", true), ("NSET", false), ("ELSET", true)];
@@ -203,8 +203,8 @@ impl RigidBodyCard<'_> {
     }
 }
 
-/// Notes a rotation that the solver makes. A new node can carry this rotation if the reference has global axes and no rotations of its own,
-/// and if no step is nonlinear. Otherwise equations cannot replace the card.
+/// Records a rotation that the solver makes, so that a new node of a cleaned deck can carry it. This is possible if the reference has
+/// global axes and no rotations of its own, and if no step is nonlinear. Otherwise equations cannot replace the card.
 pub fn own_rotation(
     place: &RegisteredCard,
     reference: BodyReference,
@@ -220,7 +220,7 @@ pub fn own_rotation(
     }
 }
 
-/// Equations of nodes that follow a reference in these components, along `local` or else along their own axes.
+/// The equations of nodes that follow a reference in these components, along the axes `local`, or else along the axes of each node.
 pub fn kinematic(
     definitions: &DeckDefinitions,
     reference: BodyReference,
@@ -229,7 +229,7 @@ pub fn kinematic(
     local: Option<&Frame>,
 ) -> Result<Vec<CardEquation>, Problem> {
     let mut rows = Vec::new();
-    // If all three translations are coupled, the choice of axes does not matter.
+    // If all three translations are coupled, the choice of axes does not matter, so the axes of each node are used.
     let local = local.filter(|_| !(1..=3).all(|component| components.contains(&component)));
     for node in nodes {
         let pose = definitions.pose(node)?;

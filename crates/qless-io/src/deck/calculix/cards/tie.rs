@@ -1,5 +1,5 @@
-//! `*TIE`: each node s of the slave surface moves with the nearest point xi of the master surface, `u_s = sum N_i(xi) u_i`. N_i are the
-//! shape functions of the face there, and u_i the displacements of its nodes.
+//! Makes the equations of `*TIE`. Each node s of the slave surface moves with the nearest point xi of the master surface, `u_s = sum
+//! N_i(xi) u_i`. N_i are the shape functions of the master's face at xi, and u_i the displacements of its nodes.
 
 use rustc_hash::FxHashSet;
 
@@ -13,18 +13,18 @@ use crate::deck::kinematics::vector::Vector;
 use crate::deck::{DeckError, Model, Problem, Solver};
 use crate::fault::quote;
 
-/// Default distance within which a node is tied, relative to the typical size of a face.
+/// Default distance from the master surface within which a node is tied, relative to the typical size of a face.
 pub const TOLERANCE: f64 = 0.025;
 
-/// Distance within which a node counts as lying on a face, relative to the typical size of a face. Coordinates of many
-/// decks have only six or seven digits.
+/// Distance within which a node counts as lying on a face, relative to the typical size of a face. It allows for decks whose coordinates
+/// have only six or seven digits.
 const ON_FACE: f64 = 1e-6;
-/// ccx expands plane elements into solids and ties their new nodes. It can tie only a new node that does not yet follow
-/// the node of the deck. Only corners of second-order elements have such a node.
+/// ccx expands plane elements into solids, and a tie by edge ties the new nodes. ccx can tie only a new node that does not already follow
+/// the node of the deck. Only corners of second-order elements have such new nodes.
 const EDGES: &str = "only corners of second-order plane elements are tied by edge; name the nodes instead (TYPE=NODE)";
 const MOVED: &str = "its slave nodes are moved onto the master: write ADJUST=NO or close the gap";
 
-/// Adds the equations of a card.
+/// Adds the equations of a `*TIE` card.
 pub fn read(
     card: &KeywordCard,
     model: &mut Model,
@@ -67,9 +67,9 @@ pub fn read(
 struct Tied {
     rows: Vec<CardEquation>,
     apart: Vec<u32>,
-    /// Whether a tied node does not lie on its face.
+    /// Whether a tied node lies off its face.
     has_gap: bool,
-    /// Rows of nodes on edges of plane elements that ccx does not tie.
+    /// Indices in `rows` of the equations that ccx does not make: those of nodes on edges of plane elements.
     on_edges: Vec<usize>,
     tolerance: f64,
 }
@@ -90,7 +90,7 @@ pub fn leave_out(card: &KeywordCard, kind: &str, model: &mut Model, definitions:
     claim(&place, model, definitions, nodes.into_iter());
 }
 
-/// The names of the slave and of the master surface.
+/// The names of the slave surface and of the master surface.
 pub fn sides(card: &KeywordCard) -> Result<[String; 2], Problem> {
     let line = card.lines().next();
     let names: Vec<String> =
@@ -143,7 +143,7 @@ fn tied(card: &KeywordCard, definitions: &DeckDefinitions) -> Result<Tied, Probl
     Ok(tied)
 }
 
-/// Equations of the three components of a tied node.
+/// The equations by which the components of a tied node follow the nodes of its face.
 fn rows(
     definitions: &DeckDefinitions,
     node: u32,

@@ -5,7 +5,7 @@ use crate::deck::calculix::model::{DeckDefinitions, DeckSurface};
 use crate::deck::calculix::syntax::KeywordCard;
 use crate::deck::{Dof, Model, Problem};
 
-/// Keywords without blanks, and their usual spelling.
+/// Keywords of cards that constrain but are not read: without blanks, and in their usual spelling.
 const UNREAD: [(&str, &str); 10] = [
     ("*PRE-TENSIONSECTION", "*PRE-TENSION SECTION"),
     ("*EMBEDDEDELEMENT", "*EMBEDDED ELEMENT"),
@@ -19,14 +19,14 @@ const UNREAD: [(&str, &str); 10] = [
     ("*CONTACTPAIR", "*CONTACT PAIR, TIED"),
 ];
 
-/// Keywords of cards that constrain. They are so long that a keyword which differs in one letter is probably a misspelling.
+/// Keywords of cards that constrain. They are long, so another keyword that differs in one letter is probably a misspelling.
 const READ: [&str; 7] =
     ["*BOUNDARY", "*EQUATION", "*COUPLING", "*KINEMATIC", "*DISTRIBUTING", "*RIGIDBODY", "*KINEMATICCOUPLING"];
 
 /// Valid keywords that differ from one of [`READ`] by one additional letter: they are no misspellings.
 const OTHER: [&str; 2] = ["*BOUNDARYF", "*EQUATIONF"];
 
-/// Leaves out a card whose keyword differs by one letter from one that constrains; CalculiX ignores such a card with a warning.
+/// Leaves out a card whose keyword differs by one letter from one that constrains. CalculiX ignores such a card with a warning.
 fn misspelt(card: &KeywordCard, model: &mut Model) {
     let keyword = String::from_utf8_lossy(&card.keyword);
     let is_meant = |known: &&&str| strsim::osa_distance(known, &keyword) == 1;
@@ -40,7 +40,7 @@ fn misspelt(card: &KeywordCard, model: &mut Model) {
     }
 }
 
-/// Adds a warning for a card of [`UNREAD`], which constrains, and claims the DOFs of its nodes; and for a misspelt one. Does nothing for
+/// Warns of a card in [`UNREAD`], which constrains, and claims the DOFs of its nodes. Also warns of a misspelt keyword. Does nothing for
 /// any other card.
 pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions) {
     let Some((keyword, name)) = UNREAD.iter().find(|(keyword, _)| card.is(keyword)) else {
@@ -51,7 +51,7 @@ pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions
     }
     let place = RegisteredCard::register(card, model, name);
     model.leave_out(card.file, card.line, format!("{name} constrains, but is not understood: left out"));
-    // If a name is not defined, no claims are known.
+    // If the card names something that is not defined, it claims no DOFs.
     let nodes = nodes(card, definitions).unwrap_or_default();
     claim(&place, model, definitions, nodes.into_iter());
 }
@@ -87,7 +87,7 @@ fn nodes(card: &KeywordCard, definitions: &DeckDefinitions) -> Result<Vec<u32>, 
     Ok(nodes)
 }
 
-/// Notes that a card claims all DOFs of these nodes.
+/// Records that a card may constrain all DOFs of these nodes.
 pub fn claim(
     place: &RegisteredCard,
     model: &mut Model,

@@ -1,4 +1,4 @@
-//! Definitions of a deck, and the lookups that cards need.
+//! What a deck defines (nodes, sets, elements and so on), and the lookups that cards need.
 
 use std::cell::{OnceCell, RefCell};
 
@@ -18,15 +18,15 @@ use crate::deck::kinematics::body::Pose;
 use crate::deck::kinematics::body::Poses;
 use crate::deck::kinematics::vector::Vector;
 
-/// Definitions of a deck, kept as text until they are needed.
+/// The definitions of a deck: nodes, sets, elements and so on. They are kept as text until they are needed.
 #[derive(Default)]
 pub struct DeckDefinitions {
-    /// Text of the `*NODE` cards, by scope.
+    /// Text of the `*NODE` cards of each scope.
     nodes: Vec<Vec<DataPiece>>,
     pub sets: SetTable,
     pub blocks: Vec<ElementDefinition>,
     pub surfaces: FxHashMap<ScopedName, Vec<SurfaceCard>>,
-    /// `*TRANSFORM` cards with their node sets.
+    /// Names of node sets with the `*TRANSFORM` cards that give them local axes.
     pub transforms: Vec<(String, AxesCard)>,
     pub orientations: FxHashMap<ScopedName, AxesCard>,
     /// Names of `*AMPLITUDE` cards.
@@ -38,15 +38,15 @@ pub struct DeckDefinitions {
     positions: OnceCell<Result<FxHashMap<u32, Vector>, Problem>>,
     elements: OnceCell<Result<MeshElements, Problem>>,
     locals: OnceCell<Result<FxHashMap<u32, Frame>, Problem>>,
-    /// Shapes of the elements that ccx expands, by node.
+    /// For each node, the shapes of its elements that ccx expands into solids.
     expanded: OnceCell<FxHashMap<u32, Vec<ElementShape>>>,
-    /// Positions of nodes that the solver makes.
+    /// Positions of the nodes that the solver makes.
     made: RefCell<FxHashMap<u32, Vector>>,
     /// Whether a step is geometrically nonlinear.
     pub is_nonlinear: bool,
     /// Whether the deck asks for modes of several nodal diameters.
     pub has_diameters: bool,
-    /// Estimated numbers of equations and of their terms, used to reserve memory.
+    /// Estimated number of equations and of their terms, used to reserve memory.
     pub equations: usize,
     pub terms: usize,
     /// Whether other cards than `*NODE` may define nodes.
@@ -54,7 +54,7 @@ pub struct DeckDefinitions {
 }
 
 impl DeckDefinitions {
-    /// Notes the definitions on a card.
+    /// Records what a card defines.
     pub fn note(&mut self, card: &KeywordCard) {
         let key = |parameter| (card.scope, card.word(parameter).unwrap_or_default());
         match card.keyword.as_slice() {
@@ -117,14 +117,15 @@ impl DeckDefinitions {
         self.instances.push(Instance { name, data: card.data.clone() });
     }
 
-    /// Notes members of the node set that a card names, if it names one.
+    /// Adds members to the node set that a card names; does nothing if it names none.
     fn set(&mut self, card: &KeywordCard, part: impl FnOnce() -> SetMembers) {
         if let Some(set) = card.word("NSET") {
             self.sets.of_nodes.entry((card.scope, set)).or_default().push(SetPart::from_card(card, part()));
         }
     }
 
-    /// Estimates the equations on a card: two lines for each equation, and 3 k - 1 commas on a line of k terms.
+    /// Adds the number of equations on a card, estimated from its text: two lines for each equation, and 3 k - 1 commas on a line of k
+    /// terms.
     fn count(&mut self, piece: &DataPiece) {
         let text = &piece.text[piece.range.clone()];
         let lines = memchr::memchr_iter(b'\n', text).count();
@@ -132,7 +133,7 @@ impl DeckDefinitions {
         self.terms += (memchr::memchr_iter(b',', text).count() + lines / 2) / 3;
     }
 
-    /// Looks up a name in the scope itself, or in the instance that the name begins with.
+    /// Looks up a name in `scope`. If it is not there, looks it up in the instance with which the name begins.
     pub fn find<'m, V>(
         &self,
         map: &'m FxHashMap<ScopedName, V>,
@@ -148,8 +149,7 @@ impl DeckDefinitions {
         map.get(&key).map(|value| (key, value))
     }
 
-    /// Splits `I.rest`, where I is an instance: returns its scope and the rest. The name of the assembly may precede
-    /// it.
+    /// Splits `I.rest`, where I is the name of an instance, into the scope of I and the rest. The name of the assembly may precede I.
     pub fn qualified<'n>(&self, name: &'n str) -> Option<(Scope, &'n str)> {
         let inner = |assembly: &String| name.strip_prefix(assembly.as_str()).and_then(|rest| rest.strip_prefix('.'));
         let name = self.assemblies.iter().find_map(inner).unwrap_or(name);
@@ -157,8 +157,8 @@ impl DeckDefinitions {
         name.match_indices('.').find_map(|(dot, _)| split(dot))
     }
 
-    /// Checks the lines of `*NODE` cards. The error is the first wrong line with its wrong field. Positions are parsed
-    /// later, for all nodes at once and only if a card needs them; an error could no longer name the line.
+    /// Checks the lines of all `*NODE` cards. The error holds the first wrong line with its wrong field. This is the time to name the line:
+    /// positions are parsed later, for all nodes at once and only if a card needs them.
     pub fn check_nodes(&self) -> Result<(), (DataLine<'_>, FieldFault)> {
         for line in self.nodes.iter().flat_map(|pieces| DataLines::new(pieces)) {
             let mut fields = DataFields::new(&line);
@@ -168,7 +168,7 @@ impl DeckDefinitions {
         Ok(())
     }
 
-    /// Numbers in the deck for the nodes of instances.
+    /// The numbers that the nodes of instances have in the whole deck.
     pub fn numbers(&self) -> Result<&NodeNumbers, Problem> {
         let find = || {
             let scopes = 1..=self.instances.len();
@@ -177,7 +177,7 @@ impl DeckDefinitions {
         self.numbers.get_or_init(find).as_ref().map_err(Clone::clone)
     }
 
-    /// Numbers that the nodes of a scope have within the scope, ascending.
+    /// The node numbers of a scope as its cards give them, ascending.
     fn listed(&self, scope: usize) -> Vec<u32> {
         let lines = DataLines::new(self.nodes.get(scope).map_or(&[], Vec::as_slice));
         let mut numbers: Vec<u32> = lines.filter_map(|line| number(line.fields().next()?, "a node").ok()).collect();
@@ -186,7 +186,7 @@ impl DeckDefinitions {
         numbers
     }
 
-    /// Numbers of all nodes, ascending.
+    /// Numbers of all nodes of the deck, ascending.
     pub fn node_numbers(&self) -> Vec<u32> {
         let mut all = self.listed(0);
         for (first, own) in self.numbers().map_or(&[][..], NodeNumbers::instances) {
@@ -203,7 +203,7 @@ impl DeckDefinitions {
         own.map(|(_, name)| name.as_str())
     }
 
-    /// Adds a node that the solver makes, under an unused number.
+    /// Adds a node that the solver makes. Returns its number, which no other node has.
     pub fn make_node(&self, position: Vector) -> Result<u32, Problem> {
         let advice = "use smaller numbers";
         let limit = Problem::Limit { what: "the largest number of a node", limit: u32::MAX as usize, advice };
@@ -218,7 +218,7 @@ impl DeckDefinitions {
         self.elements.get_or_init(|| self.parse_elements()).as_ref().map_err(Clone::clone)
     }
 
-    /// Positions of all nodes that cards list.
+    /// Positions of all nodes that `*NODE` cards list.
     pub fn all_positions(&self) -> Result<FxHashMap<u32, Vector>, Problem> {
         let mut all = FxHashMap::default();
         for (pieces, scope) in self.nodes.iter().zip(0..) {
@@ -234,12 +234,12 @@ impl DeckDefinitions {
         Ok(all)
     }
 
-    /// Position of an instance.
+    /// The rigid motion that places an instance in the deck.
     fn motion(&self, scope: Scope) -> Result<InstanceMotion, Problem> {
         InstanceMotion::read(&self.instances[scope.0 as usize - 1].data)
     }
 
-    /// A frame given in the coordinates of an instance, in those of the deck. A frame of the deck itself is unchanged.
+    /// Converts a frame from the coordinates of an instance to those of the deck. A frame of the deck itself is unchanged.
     pub fn placed(&self, scope: Scope, frame: Frame) -> Result<Frame, Problem> {
         if scope == Scope::DECK { Ok(frame) } else { Ok(self.motion(scope)?.frame(frame)) }
     }
@@ -253,13 +253,13 @@ impl DeckDefinitions {
         all.get(&node).copied().ok_or_else(|| Problem::Undefined { what: "node", name: node.to_string() })
     }
 
-    /// Nodes to which `*TRANSFORM` gives local axes. Undefined sets are skipped.
+    /// The nodes to which `*TRANSFORM` gives local axes. Sets that are not defined are skipped.
     pub fn nodes_with_axes(&self) -> impl Iterator<Item = u32> {
         let nodes = |(set, axes): &(String, AxesCard)| self.nodes(axes.scope, set).map(|nodes| nodes.to_vec());
         self.transforms.iter().flat_map(move |transform| nodes(transform).unwrap_or_default())
     }
 
-    /// Whether a node belongs to an element with rotations.
+    /// Whether a node belongs to an element whose nodes have rotations.
     pub fn rotates(&self, node: u32) -> bool {
         self.expanded_at(node).iter().any(|shape| shape.rotates)
     }
@@ -269,8 +269,7 @@ impl DeckDefinitions {
         self.expanded_at(node).iter().any(ElementShape::is_plane)
     }
 
-    /// Shapes of the expanded elements at a node: ccx expands these elements into solids. They include all elements
-    /// with rotations.
+    /// Shapes of those elements at a node that ccx expands into solids. All elements with rotations are among them.
     pub fn expanded_at(&self, node: u32) -> &[ElementShape] {
         let find = || {
             let mut all: FxHashMap<u32, Vec<ElementShape>> = FxHashMap::default();
@@ -290,7 +289,7 @@ impl DeckDefinitions {
     }
 }
 
-/// Positions by node.
+/// The position of each node that these lines define.
 fn positions(lines: DataLines) -> Result<FxHashMap<u32, Vector>, Problem> {
     let mut positions = FxHashMap::default();
     for line in lines {

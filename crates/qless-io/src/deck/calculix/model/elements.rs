@@ -1,4 +1,4 @@
-//! Elements and their shapes: number of nodes, and which nodes lie on a face.
+//! Shapes of elements: their number of nodes, and which of the nodes lie on a face.
 
 use rustc_hash::FxHashMap;
 
@@ -6,13 +6,13 @@ use crate::deck::Problem;
 use crate::deck::calculix::model::ScopedName;
 use crate::deck::calculix::syntax::Scope;
 
-/// Shape of an element type.
+/// What the reader needs to know of an element type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ElementShape {
-    /// Number of nodes; `None` for an unknown type, whose lines continue after a trailing comma.
+    /// Number of nodes. `None` for an unknown type: an element of it continues on the next line after a trailing comma.
     pub nodes: Option<usize>,
     family: ElementFamily,
-    /// Whether the nodes have rotations.
+    /// Whether the nodes have rotational DOFs.
     pub rotates: bool,
 }
 
@@ -28,8 +28,8 @@ enum ElementFamily {
     Other,
 }
 
-/// A solid element: number of corners, corners of each face, and corners of each edge, all from 0. The middle node of
-/// edge k is node `corners + k`.
+/// Faces of a solid element: the number of its corners, the corners of each face, and the corners of each edge, all from 0. The middle node
+/// of edge k is node `corners + k`.
 struct FaceTable {
     corners: usize,
     faces: &'static [&'static [usize]],
@@ -100,7 +100,7 @@ impl ElementShape {
         matches!(self.family, ElementFamily::Shell | ElementFamily::Plane | ElementFamily::Bar)
     }
 
-    /// Nodes of face `S3`: corners in order, then the middle nodes of the edges between them.
+    /// The nodes of a face, which is named as in `S3`: its corners in order, then the middle nodes of the edges between them.
     pub fn face(&self, face: &str, nodes: &[u32]) -> Option<Vec<u32>> {
         let number: Option<usize> = face.strip_prefix('S').and_then(|number| number.parse().ok());
         match self.family {
@@ -129,7 +129,7 @@ impl FaceTable {
     }
 }
 
-/// Edge `number` of a plane element: its ends and, if it has one, its middle node.
+/// The nodes of edge `number` of a plane element: its two ends and, if it has one, its middle node.
 fn edge(number: usize, nodes: &[u32]) -> Option<Vec<u32>> {
     let corners = if matches!(nodes.len(), 3 | 6) { 3 } else { 4 };
     let first = number.checked_sub(1).filter(|&k| k < corners)?;
@@ -142,15 +142,15 @@ fn edge(number: usize, nodes: &[u32]) -> Option<Vec<u32>> {
 #[derive(Default)]
 pub struct MeshElements {
     pub nodes: Vec<u32>,
-    /// Shape, and range of its nodes in `nodes`.
+    /// For each element, its shape and the range of its nodes in `nodes`.
     pub all: Vec<(ElementShape, usize, usize)>,
     pub by_number: FxHashMap<(Scope, u32), u32>,
-    /// Elements of the sets that `*ELEMENT` cards name.
+    /// The elements of each set that an `*ELEMENT` card names.
     pub by_set: FxHashMap<ScopedName, Vec<u32>>,
 }
 
 impl MeshElements {
-    /// The element with this number in the scope.
+    /// The index of the element with number `own` in the scope.
     pub fn index(&self, scope: Scope, own: u32) -> Result<u32, Problem> {
         let undefined = || Problem::Undefined { what: "element", name: own.to_string() };
         self.by_number.get(&(scope, own)).copied().ok_or_else(undefined)

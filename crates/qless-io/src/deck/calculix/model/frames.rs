@@ -1,7 +1,7 @@
 //! `*TRANSFORM` and `*ORIENTATION`: local axes from two points a and b.
 //!
-//! Rectangular: the first axis points to a, and b lies in the plane of the first two axes. Cylindrical: the third axis
-//! points from a to b, and the first is radial.
+//! Rectangular axes: the first axis points to a, and b lies in the plane of the first two axes. Cylindrical axes: the third axis points
+//! from a to b, and the first axis is radial.
 
 use rustc_hash::FxHashMap;
 
@@ -12,7 +12,7 @@ use crate::deck::kinematics::axes::{BASIC_AXES, Frame, FrameKind};
 use crate::deck::kinematics::vector::{Vector, cross, minus, unit};
 
 impl DeckDefinitions {
-    /// Local axes of nodes with `*TRANSFORM`.
+    /// The local axes of each node that `*TRANSFORM` names.
     pub fn locals(&self) -> Result<FxHashMap<u32, Frame>, Problem> {
         let mut locals = FxHashMap::default();
         for (set, axes) in &self.transforms {
@@ -22,7 +22,7 @@ impl DeckDefinitions {
         Ok(locals)
     }
 
-    /// Axes of an `*ORIENTATION`.
+    /// The axes that the `*ORIENTATION` with this name defines.
     pub fn orientation(&self, scope: Scope, name: &str) -> Result<Frame, Problem> {
         let name = syntax::fold_name(name);
         match self.find(&self.orientations, scope, &name) {
@@ -42,7 +42,7 @@ fn local(cylindrical: bool, data: &[DataPiece]) -> Result<Frame, Problem> {
     axes.ok_or_else(|| Problem::Degenerate { what: "the two points define no axes".into() })
 }
 
-/// Two points, as six coordinates; empty fields are zero.
+/// Reads two points as six coordinates. Empty fields are zero.
 pub fn two_points<'a>(fields: impl Iterator<Item = &'a [u8]>) -> Result<[Vector; 2], Problem> {
     let mut numbers = Vec::with_capacity(6);
     for field in fields.take(6) {
@@ -63,7 +63,7 @@ fn along(a: Vector, b: Vector) -> Option<Frame> {
 /// Cylindrical axes around the line between two points; `None` if they coincide.
 pub fn around(a: Vector, b: Vector) -> Option<Frame> {
     let axis = unit(minus(b, a))?;
-    // Any direction across the axis will do: the radial direction at a point does not depend on it.
+    // Any direction perpendicular to the axis will do: the radial direction at a point does not depend on it.
     let least = (0..3).min_by(|&i, &j| axis[i].abs().total_cmp(&axis[j].abs()))?;
     let second = unit(cross(axis, BASIC_AXES[least]))?;
     Some(Frame { kind: FrameKind::Cylindrical, origin: a, axes: [cross(second, axis), second, axis] })

@@ -9,11 +9,12 @@ use crate::deck::kinematics::vector::{Vector, cross, dot, minus, plus, scaled, u
 pub struct Instance {
     /// Name, as spelled in the deck.
     pub name: String,
-    /// Translation, then rotation.
+    /// The data lines: first the translation, then the rotation.
     pub data: Vec<DataPiece>,
 }
 
-/// Position of an instance: `x = R (x_part + t)`, where R is a rotation about an axis through two points.
+/// The rigid motion that places an instance: `x = R (x_part + t)`. x_part is a point of the Abaqus part, t a translation, and R a rotation
+/// about an axis through two points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InstanceMotion {
     shift: Vector,
@@ -36,7 +37,8 @@ impl InstanceRotation {
 }
 
 impl InstanceMotion {
-    /// Reads the data of an `*INSTANCE` card: a translation, then two points of an axis and an angle in degrees.
+    /// Reads the data of an `*INSTANCE` card. The first line is a translation. The second line holds two points of an axis and an angle in
+    /// degrees.
     pub fn read(data: &[DataPiece]) -> Result<Self, Problem> {
         let mut lines = DataLines::new(data);
         let mut motion = Self { shift: [0.0; 3], turn: None };
@@ -55,13 +57,13 @@ impl InstanceMotion {
         Ok(motion)
     }
 
-    /// Position of a point of the Abaqus part.
+    /// Where a point of the Abaqus part lies in the deck.
     pub fn point(&self, x: Vector) -> Vector {
         let moved = plus(x, self.shift);
         self.turn.map_or(moved, |turn| plus(turn.through, turn.direction(minus(moved, turn.through))))
     }
 
-    /// Local axes of the Abaqus part.
+    /// Converts axes of the Abaqus part to the coordinates of the deck.
     pub fn frame(&self, frame: Frame) -> Frame {
         let axes = frame.axes.map(|axis| self.turn.map_or(axis, |turn| turn.direction(axis)));
         Frame { origin: self.point(frame.origin), axes, ..frame }
@@ -84,9 +86,9 @@ fn turn(numbers: &[f64]) -> Result<Option<InstanceRotation>, Problem> {
     Ok(Some(InstanceRotation { through: [ax, ay, az], axis, cos, sin }))
 }
 
-/// Numbers in the deck for the nodes of instances.
+/// The numbers that the nodes of instances have in the whole deck.
 pub struct NodeNumbers {
-    /// By scope: the first number in the deck, and the numbers within the instance, ascending.
+    /// For each scope: the first of its numbers in the deck, and its numbers within the instance, ascending.
     scopes: Vec<(u32, Vec<u32>)>,
 }
 
@@ -94,7 +96,7 @@ impl NodeNumbers {
     /// Numbers the nodes of all instances consecutively, above the largest number in the deck itself.
     pub fn build(deck: &[u32], instances: impl Iterator<Item = Vec<u32>>) -> Result<Self, Problem> {
         let mut next = deck.last().map_or(Some(1), |last| last.checked_add(1));
-        // Nodes of the deck itself have numbers below this one.
+        // Scope 0 is the deck itself: its nodes have numbers below this one.
         let mut scopes = vec![(next.unwrap_or(u32::MAX), Vec::new())];
         for own in instances {
             let advice = "use smaller numbers for the nodes of the assembly";
@@ -106,7 +108,7 @@ impl NodeNumbers {
         Ok(Self { scopes })
     }
 
-    /// Number in the deck of node `own` of a scope.
+    /// The number in the deck of the node that has the number `own` in a scope.
     pub fn get(&self, scope: Scope, own: u32) -> Option<u32> {
         let (first, numbers) = self.scopes.get(scope.0 as usize)?;
         if scope == Scope::DECK {
@@ -115,7 +117,7 @@ impl NodeNumbers {
         numbers.binary_search(&own).ok().map(|k| first + k as u32)
     }
 
-    /// For each instance the first number in the deck and the numbers within it.
+    /// For each instance: the first of its numbers in the deck, and its numbers within the instance.
     pub fn instances(&self) -> &[(u32, Vec<u32>)] {
         &self.scopes[1..]
     }

@@ -1,4 +1,4 @@
-//! Parses elements and surfaces.
+//! Parses the text of `*ELEMENT` and `*SURFACE` cards.
 
 use crate::deck::Problem;
 use crate::deck::calculix::model::elements::{ElementShape, MeshElements};
@@ -7,7 +7,7 @@ use crate::deck::calculix::syntax::{DataLines, Scope, fold_name, number};
 use crate::fault::quote;
 
 impl DeckDefinitions {
-    /// Parses `*ELEMENT` cards: a number and its nodes, over as many lines as needed.
+    /// Parses the `*ELEMENT` cards. Each element is a number followed by its nodes, on as many lines as needed.
     pub fn parse_elements(&self) -> Result<MeshElements, Problem> {
         let mut elements = MeshElements::default();
         for block in &self.blocks {
@@ -48,7 +48,7 @@ impl DeckDefinitions {
     }
 }
 
-/// A surface: single nodes, and faces.
+/// A surface: single nodes and faces, where a face is a list of nodes.
 #[derive(Default)]
 pub struct DeckSurface {
     pub nodes: Vec<u32>,
@@ -60,7 +60,7 @@ pub struct DeckSurface {
 }
 
 impl DeckSurface {
-    /// All nodes, ascending, each once.
+    /// All nodes of the surface, ascending, each once.
     pub fn all_nodes(&self) -> Vec<u32> {
         let mut nodes: Vec<u32> = self.nodes.iter().chain(self.faces.iter().flatten()).copied().collect();
         nodes.sort_unstable();
@@ -68,7 +68,7 @@ impl DeckSurface {
         nodes
     }
 
-    /// Finds a surface by its name. Its lines hold nodes or node sets, or `element or set, face`.
+    /// Finds a surface by its name. The lines of its cards hold nodes or node sets, or `element or set, face`.
     pub fn find(definitions: &DeckDefinitions, scope: Scope, surface: &str) -> Result<Self, Problem> {
         let surface = fold_name(surface);
         let Some((_, patches)) = definitions.find(&definitions.surfaces, scope, &surface) else {

@@ -1,5 +1,4 @@
-//! Definitions: nodes, sets, elements, surfaces and axes. This file holds the text of their cards; the modules below
-//! parse it when it is needed.
+//! Holds the text of the cards that define nodes, sets, elements, surfaces and axes. The modules below parse it when it is needed.
 
 pub mod definitions;
 pub mod elements;
@@ -18,7 +17,7 @@ use rustc_hash::FxHashMap;
 
 use crate::deck::calculix::syntax::{DataPiece, KeywordCard, Scope, fold_name};
 
-/// A name within a scope.
+/// A name, and the scope in which it is defined.
 pub type ScopedName = (Scope, String);
 
 /// An `*ELEMENT` card.
@@ -43,18 +42,18 @@ pub struct AxesCard {
     pub data: Vec<DataPiece>,
 }
 
-/// The axes on a card.
+/// Copies the axes from a `*TRANSFORM` or `*ORIENTATION` card.
 pub fn axes(card: &KeywordCard, is_cylindrical: bool) -> AxesCard {
     AxesCard { scope: card.scope, is_cylindrical, data: card.data.clone() }
 }
 
 /// Members of a set, as one card gives them.
 pub enum SetMembers {
-    /// Lines that begin with a node.
+    /// Lines whose first field is a node, as on `*NODE` cards.
     Lines(Vec<DataPiece>),
-    /// Numbers, and names of other sets.
+    /// Numbers of members, and names of other sets.
     List(Vec<DataPiece>),
-    /// `first, last, increment` a line.
+    /// Lines `first, last, increment`.
     Generate(Vec<DataPiece>),
     /// The nodes of an element set.
     OfElements(String),
@@ -63,7 +62,7 @@ pub enum SetMembers {
 /// The members that one card adds to a set.
 pub struct SetPart {
     pub scope: Scope,
-    /// `INSTANCE=` on the card; replaces the card's own scope.
+    /// The instance that `INSTANCE=` on the card names. It replaces the card's own scope.
     pub instance: Option<String>,
     pub part: SetMembers,
 }
@@ -75,7 +74,7 @@ impl SetPart {
     }
 }
 
-/// A set, parsed or in progress.
+/// A set whose members are known, or which is being parsed.
 pub enum ParsedSet {
     InProgress,
     Done(Rc<Vec<u32>>),
@@ -89,7 +88,7 @@ pub struct SetTable {
     pub known: RefCell<FxHashMap<(bool, ScopedName), ParsedSet>>,
 }
 
-/// The name in a field, folded for comparison.
+/// The name in a field, converted so that equal names compare as equal.
 pub fn folded(field: &[u8]) -> String {
     fold_name(&String::from_utf8_lossy(field))
 }

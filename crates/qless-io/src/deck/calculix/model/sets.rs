@@ -1,4 +1,4 @@
-//! Sets of nodes and of elements, and fields that hold a number or the name of a set.
+//! Looks up sets of nodes and of elements, and fields that hold a number or the name of a set.
 
 use std::rc::Rc;
 
@@ -11,7 +11,7 @@ use crate::deck::limits::MEMBERS;
 use crate::fault::quote;
 
 impl DeckDefinitions {
-    /// Number in the deck of node `own` of a scope.
+    /// The number in the deck of the node that has the number `own` in a scope.
     pub fn numbered(&self, scope: Scope, own: u32) -> Result<u32, Problem> {
         if self.instances.is_empty() {
             return Ok(own);
@@ -24,18 +24,18 @@ impl DeckDefinitions {
         self.numbers()?.get(scope, own).ok_or_else(undefined)
     }
 
-    /// The node of a field: a number, or an instance and a number in it.
+    /// The node that a field names, by a number, or by an instance and a number in it.
     pub fn node(&self, scope: Scope, field: &[u8]) -> Result<u32, Problem> {
         self.by_number(scope, field).unwrap_or_else(|| number(field, "a node"))
     }
 
-    /// The node of a field that holds a number, or an instance and a number; `None` for other fields.
+    /// The node that a field names by a number, or by an instance and a number in it; `None` for any other field.
     pub fn by_number(&self, scope: Scope, field: &[u8]) -> Option<Result<u32, Problem>> {
         let own = number(field, "a node").ok().map(|own| (scope, own));
         own.or_else(|| self.of_instance(field)).map(|(scope, own)| self.numbered(scope, own))
     }
 
-    /// Splits `I.12` into the scope of the instance I, and 12.
+    /// Splits `I.12`, where I is the name of an instance, into the scope of I and the number 12.
     fn of_instance(&self, field: &[u8]) -> Option<(Scope, u32)> {
         if self.instances.is_empty() {
             return None;
@@ -45,7 +45,7 @@ impl DeckDefinitions {
         Some((scope, number(rest.as_bytes(), "a number").ok()?))
     }
 
-    /// A node, or the only node of a set.
+    /// The node that a field names. If the field names a set, this must have only one node.
     pub fn one_node(&self, scope: Scope, field: &[u8]) -> Result<u32, Problem> {
         match self.node_or_set(scope, field)?[..] {
             [node] => Ok(node),
@@ -56,7 +56,7 @@ impl DeckDefinitions {
         }
     }
 
-    /// A node, or the nodes of a set.
+    /// The node that a field names, or the nodes of the set that it names.
     pub fn node_or_set(&self, scope: Scope, field: &[u8]) -> Result<Vec<u32>, Problem> {
         match self.by_number(scope, field) {
             Some(node) => Ok(vec![node?]),
@@ -64,7 +64,8 @@ impl DeckDefinitions {
         }
     }
 
-    /// An element, or the elements of a set, as indices into [`MeshElements`](crate::deck::calculix::model::elements::MeshElements).
+    /// The element that a field names, or the elements of the set that it names, as indices into
+    /// [`MeshElements`](crate::deck::calculix::model::elements::MeshElements).
     pub fn element_or_set(&self, scope: Scope, field: &[u8]) -> Result<Vec<u32>, Problem> {
         match number(field, "an element").ok().map(|own| (scope, own)).or_else(|| self.of_instance(field)) {
             Some((scope, own)) => Ok(vec![self.elements()?.index(scope, own)?]),
@@ -72,12 +73,12 @@ impl DeckDefinitions {
         }
     }
 
-    /// Nodes of a set, each once and in the order of its definition.
+    /// The nodes of a node set, each once and in the order of its definition.
     pub fn nodes(&self, scope: Scope, set: &str) -> Result<Rc<Vec<u32>>, Problem> {
         self.members(false, scope, &fold_name(set))
     }
 
-    /// Nodes of the elements of a set, ascending, each once.
+    /// The nodes of all elements of an element set, ascending, each once.
     pub fn nodes_of(&self, scope: Scope, elements: &str) -> Result<Vec<u32>, Problem> {
         let mut nodes = Vec::new();
         for &element in self.members(true, scope, &fold_name(elements))?.iter() {
@@ -115,7 +116,7 @@ impl DeckDefinitions {
 
     fn add_members(&self, set: &SetPart, of_elements: bool, members: &mut Vec<u32>) -> Result<(), Problem> {
         let scope = match &set.instance {
-            // A deck without instances may still name one; ccx ignores it.
+            // A deck without instances may still have `INSTANCE=` on a card; ccx ignores it.
             Some(instance) if !self.instances.is_empty() => *self
                 .by_instance
                 .get(instance)
@@ -149,8 +150,8 @@ impl DeckDefinitions {
         Ok(())
     }
 
-    /// Adds the range `first, last, increment` without elements that do not exist. Nodes that do not exist are left out
-    /// only if the deck has instances.
+    /// Adds the members of the range `first, last, increment`. Elements that do not exist are left out. Nodes that do not exist are left
+    /// out only if the deck has instances.
     fn generate<'a>(
         &self,
         fields: &mut impl Iterator<Item = &'a [u8]>,

@@ -15,7 +15,7 @@ use crate::deck::calculix::syntax::{KeywordCard, Scope, card::Visit};
 use crate::deck::{DeckError, Problem};
 use crate::fault::quote;
 
-/// Why a visit failed.
+/// Why the visit of a card failed.
 pub enum Stop {
     /// The visitor refused the card.
     Refused(DeckError),
@@ -24,7 +24,7 @@ pub enum Stop {
 }
 
 impl Stop {
-    /// The error, at the line of a card.
+    /// Converts the failure to an error at the line of the card.
     pub fn at(self, card: &KeywordCard, path: impl FnOnce() -> PathBuf) -> DeckError {
         match self {
             Self::Refused(error) => error,
@@ -44,7 +44,7 @@ enum Enclosing {
     Instance(Scope),
 }
 
-/// The parts read so far, and the block that encloses the next card.
+/// The cards of the parts read so far, and the block that encloses the next card.
 #[derive(Default)]
 pub struct AssemblyExpansion {
     cards: FxHashMap<String, Vec<KeywordCard>>,
@@ -53,7 +53,7 @@ pub struct AssemblyExpansion {
 }
 
 impl AssemblyExpansion {
-    /// Visits a card. An `*INSTANCE` is followed by the cards of its part.
+    /// Visits a card. After an `*INSTANCE` card, also visits the cards of its part.
     pub fn card(&mut self, card: &KeywordCard, visit: Visit) -> Result<(), Stop> {
         match card.keyword.as_slice() {
             b"*PART" => self.begin_part(card),

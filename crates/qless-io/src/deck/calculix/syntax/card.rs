@@ -3,29 +3,29 @@
 use crate::deck::DeckError;
 use crate::deck::calculix::syntax::{self, DataLines, DataPiece};
 
-/// Scope of names and numbers on a card: 0 is the deck itself, k its instance k, from 1.
+/// The scope of the names and numbers on a card. 0 is the deck itself, and k its instance k, from 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Scope(pub u32);
 
 impl Scope {
-    /// The deck itself.
+    /// The scope of the deck itself, outside all instances.
     pub const DECK: Self = Self(0);
 }
 
 /// A card. One value is reused for all cards of a deck, to save allocations.
 #[derive(Clone, Default)]
 pub struct KeywordCard {
-    /// Owner of the names and numbers on the card.
+    /// The scope in which the names and numbers on the card are defined.
     pub scope: Scope,
     /// Keyword in capitals, without blanks: `*RIGIDBODY`.
     pub keyword: Vec<u8>,
-    /// `NAME=value` or `NAME`, with the name in capitals and without blanks.
+    /// The parameters, `NAME=value` or `NAME`: the name in capitals and without blanks, and the value or an empty text.
     parameters: Vec<(String, String)>,
-    /// File of the keyword.
+    /// The number of the file that holds the keyword line.
     pub file: u32,
     /// Line of the keyword, from 1.
     pub line: u32,
-    /// Text of the data, with comments and blank lines.
+    /// The text of the data lines, comments and blank lines included.
     pub data: Vec<DataPiece>,
 }
 
@@ -55,7 +55,7 @@ impl KeywordCard {
         DataLines::new(&self.data)
     }
 
-    /// Reads the keyword line.
+    /// Starts the card with this keyword line; the file and line are those of the keyword.
     pub fn begin(&mut self, text: &[u8], file: usize, line: usize) {
         self.data.clear();
         self.parameters.clear();
@@ -75,5 +75,5 @@ impl KeywordCard {
     }
 }
 
-/// Callback for each card.
+/// The function to call for each card.
 pub type Visit<'v> = &'v mut dyn FnMut(&KeywordCard) -> Result<(), DeckError>;

@@ -1,4 +1,4 @@
-//! Syntax of decks: keyword cards (`card`, `walk`, `assembly`), and here lines of data and their fields.
+//! Syntax of decks: the modules read keyword cards (`card`, `walk`, `assembly`), and this file reads lines of data and their fields.
 
 pub mod assembly;
 pub mod card;
@@ -80,7 +80,7 @@ pub fn fold_name(text: &str) -> String {
     text.chars().filter(|c| !c.is_whitespace() && *c != '"').map(|c| c.to_ascii_uppercase()).collect()
 }
 
-/// An error in a field: the field's number, from 1, and the problem.
+/// A wrong field: its number, from 1, and the problem.
 pub type FieldFault = (Option<usize>, Problem);
 
 /// Fields of a line, read one by one.
@@ -101,7 +101,7 @@ impl<'a> DataFields<'a> {
         self.rest.next()
     }
 
-    /// The number of a node, a DOF or the like; `None` for an empty or missing field.
+    /// Reads the number of a node, a DOF or the like; `None` for an empty or missing field.
     pub fn whole(&mut self, expected: &'static str) -> Result<Option<u32>, FieldFault> {
         match self.next() {
             None | Some(b"") => Ok(None),
@@ -109,7 +109,7 @@ impl<'a> DataFields<'a> {
         }
     }
 
-    /// A float; `None` for an empty or missing field.
+    /// Reads a float; `None` for an empty or missing field.
     pub fn real(&mut self) -> Result<Option<f64>, FieldFault> {
         match self.next() {
             None | Some(b"") => Ok(None),
@@ -118,14 +118,14 @@ impl<'a> DataFields<'a> {
     }
 }
 
-/// A whole number that fits into 32 bits.
+/// Converts a field to a whole number of 32 bits. If it is none, the error says what was `expected`.
 pub fn number(field: &[u8], expected: &'static str) -> Result<u32, Problem> {
     whole(field)
         .and_then(|value| u32::try_from(value).ok())
         .ok_or_else(|| Problem::Expected { expected, found: quote(field) })
 }
 
-/// A float. As in the solvers, an underflow gives zero.
+/// Converts a field to a float. An underflow gives zero, as in the solvers.
 pub fn float(field: &[u8]) -> Result<f64, Problem> {
     match real(field) {
         Err(NumberFault::Underflow) => Ok(0.0),
@@ -133,7 +133,7 @@ pub fn float(field: &[u8]) -> Result<f64, Problem> {
     }
 }
 
-/// A component of a node.
+/// Converts a number to a component of a node, which must fit into 8 bits; `field` is for the error.
 pub fn component(value: u32, field: usize) -> Result<u8, FieldFault> {
     u8::try_from(value).map_err(|_| {
         let found = quote(value.to_string().as_bytes());

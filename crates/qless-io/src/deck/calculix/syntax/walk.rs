@@ -7,7 +7,7 @@ use crate::deck::calculix::syntax::assembly::AssemblyExpansion;
 use crate::deck::calculix::syntax::{DataPiece, KeywordCard, card::Visit};
 use crate::deck::{DeckError, Problem, Sources};
 
-/// Cards whose data may be in another file.
+/// Cards whose data may be in another file, which `INPUT=` names.
 const WITH_INPUT: [&str; 7] = ["*NODE", "*ELEMENT", "*NSET", "*ELSET", "*SURFACE", "*EQUATION", "*BOUNDARY"];
 
 /// Visits every card in order. Cards of an Abaqus part are visited once for each of its instances.
@@ -23,7 +23,7 @@ pub fn walk(sources: &mut Sources, visit: Visit) -> Result<(), DeckError> {
     finish(&mut card, &mut expand)
 }
 
-/// Passes on a complete card.
+/// Passes a complete card to `visit`; does nothing if no card has begun.
 fn finish(card: &mut KeywordCard, visit: Visit) -> Result<(), DeckError> {
     if card.keyword.is_empty() {
         return Ok(());
@@ -33,8 +33,8 @@ fn finish(card: &mut KeywordCard, visit: Visit) -> Result<(), DeckError> {
     Ok(())
 }
 
-/// Visits the cards of one file, which is included at this depth: keyword lines, each with its data. The data of the
-/// last card may continue in the including file.
+/// Visits the cards of one file: keyword lines, each with its data. `depth` counts the nested includes. The last card stays in `card`,
+/// because its data may continue in the including file.
 fn walk_file(
     sources: &mut Sources,
     (file, depth): (usize, usize),
@@ -76,7 +76,7 @@ fn walk_file(
     Ok(())
 }
 
-/// Start of the next keyword line at or after `from`, which must be the start of a line.
+/// Where the next keyword line starts, at or after `from`. `from` must be the start of a line.
 pub fn next_keyword(text: &[u8], from: usize) -> usize {
     memchr::memchr_iter(b'*', &text[from..])
         .map(|k| from + k)
@@ -84,7 +84,7 @@ pub fn next_keyword(text: &[u8], from: usize) -> usize {
         .unwrap_or(text.len())
 }
 
-/// End of a keyword line with its continuation lines after trailing commas, and the number of these lines.
+/// Where a keyword line ends, with the lines that continue it after a trailing comma; and the number of these lines in all.
 pub fn keyword_end(text: &[u8], from: usize) -> (usize, usize) {
     let mut end = from;
     for lines in 1.. {

@@ -7,10 +7,10 @@ use crate::deck::calculix::syntax::walk::{keyword_end, next_keyword};
 use crate::deck::plan::{Cases, CleanError, Plan, Written};
 use crate::deck::{Deck, Dof, Model};
 
-/// Most characters of a number that CalculiX reads.
+/// Largest number of characters of a number that CalculiX reads.
 const NUMBER: usize = 20;
 
-/// Text of the new equations.
+/// The text of the new equations, with the new nodes that they need.
 pub fn new_text(deck: &Deck, plan: &Plan, new: &NewNodes) -> Result<Vec<u8>, CleanError> {
     if plan.written.is_empty() {
         return Ok(Vec::new());
@@ -44,7 +44,7 @@ fn add_equation(text: &mut String, written: &Written, model: &Model, new: &NewNo
     }
 }
 
-/// The number with all digits, or as many as CalculiX reads.
+/// Writes the number with all its digits, or with as many as CalculiX reads.
 fn number(value: f64) -> String {
     let shortest = [format!("{value:?}"), format!("{value:e}")];
     if let Some(text) = shortest.into_iter().filter(|text| text.len() <= NUMBER).min_by_key(String::len) {
@@ -62,12 +62,12 @@ fn error(text: &str, value: f64) -> f64 {
     text.parse::<f64>().map_or(f64::INFINITY, |read| (read - value).abs())
 }
 
-/// For each step the card that removes the equations which end before it; `None` if the deck's own cards remain right.
-/// CalculiX accepts one `*EQUATION, REMOVE` a step, with any number of lines.
+/// For each step, the card that removes the equations which end before it. `None` if the deck's own removal cards stay valid. CalculiX
+/// accepts one `*EQUATION, REMOVE` in each step, with any number of lines.
 pub fn ends(deck: &Deck, plan: &Plan, rotations: &RotationNodes) -> Option<Vec<String>> {
     let cases = &deck.model.cases;
     let ends_sooner = !plan.ended.is_empty() || plan.written.iter().any(|written| written.cases != Cases::All);
-    // A removal card that matches no equation of the deck may match a written one.
+    // A removal card of the deck names slaves. It may remove a new equation that has one of them as its slave.
     let may_meet_new = !plan.written.is_empty() && deck.texts.iter().any(|text| removes(text));
     if !ends_sooner && !may_meet_new && cases.iter().all(|case| case.removed.is_empty()) {
         return None;
@@ -88,7 +88,7 @@ pub fn ends(deck: &Deck, plan: &Plan, rotations: &RotationNodes) -> Option<Vec<S
     Some(slaves.into_iter().map(card).collect())
 }
 
-/// Whether a file has a card that removes equations.
+/// Whether a file has an `*EQUATION` card with `REMOVE` or `REMOVE ALL`.
 fn removes(text: &[u8]) -> bool {
     let mut at = next_keyword(text, 0);
     while at < text.len() {

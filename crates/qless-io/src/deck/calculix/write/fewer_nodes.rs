@@ -4,11 +4,11 @@ use crate::deck::Deck;
 use crate::deck::calculix::syntax::fold_name;
 use crate::deck::calculix::syntax::walk::keyword_end;
 
-/// Nodes on a line of `*NSET`.
+/// Number of nodes on a line of `*NSET`.
 const NODES: usize = 8;
 
-/// The text of a card with only the slave nodes that are left; `None` if the slave surface or set is not found in it.
-/// `number` is part of the name of the new set.
+/// The text of a card with only the slave nodes in `left`. `None` if the slave surface or set is not found in the card. `number` is part of
+/// the name of the new set.
 pub fn with_nodes(deck: &Deck, card: &str, left: &[u32], number: usize) -> Option<String> {
     let name = new_name(deck, number);
     let (keyword, data) = card.split_at(keyword_end(card.as_bytes(), 0).0);
@@ -35,7 +35,7 @@ fn names(deck: &Deck, nodes: &[u32]) -> Vec<String> {
     nodes.iter().map(|&node| deck.model.node_name(node)).collect()
 }
 
-/// The text before the slave surface, and its name: the first field of the first line of data.
+/// The text before the name of the slave surface, and the name itself: the first field of the first data line.
 fn slave_of(data: &str) -> Option<(&str, &str)> {
     let mut at = 0;
     for line in data.split_inclusive('\n') {
@@ -47,7 +47,7 @@ fn slave_of(data: &str) -> Option<(&str, &str)> {
     None
 }
 
-/// The keyword line with another value of NSET.
+/// The keyword line with `name` as the value of its parameter NSET.
 fn with_set(keyword: &str, name: &str) -> Option<String> {
     let mut parts: Vec<String> = keyword.split(',').map(str::to_owned).collect();
     let part = parts.iter_mut().find(|part| part.split_once('=').is_some_and(|(key, _)| fold_name(key) == "NSET"))?;

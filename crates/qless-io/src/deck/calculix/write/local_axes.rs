@@ -1,11 +1,11 @@
-//! Slaves at nodes with local axes (`*TRANSFORM`).
+//! Chooses slaves at nodes with local axes (`*TRANSFORM`) that ccx accepts.
 //!
-//! ccx rewrites an equation at such a node in the global axes `d` and takes a global direction as its slave. For a
-//! slave along the local axis `e_s`, it takes the first of `s, s + 1, s + 2` (modulo 3) that no earlier equation of
-//! this node has taken and in which the component of `e_s` is at least 1e-5. The coefficient of this direction is
-//! `sum_c l_c e_c . d`, where `l_c` are the coefficients of the equation in local axes. ccx does not check it before
-//! the choice, and stops if it is zero. This module therefore chooses other local slaves S for the equations E of a
-//! node and replaces E by `L_S^-1 E`, where `L_S` holds the coefficients of E at S.
+//! ccx rewrites an equation at such a node in the global axes and takes a global direction `d` as its slave. For a slave along the local
+//! axis `e_s`, it tries the directions `s, s + 1, s + 2` (modulo 3). It takes the first one that no earlier equation of this node has taken
+//! and in which the component of `e_s` is at least 1e-5. The coefficient of this direction is `sum_c l_c e_c . d`, where `l_c` are the
+//! coefficients of the equation in local axes. ccx does not check this coefficient before the choice, and stops if it is zero. This module
+//! therefore chooses other local slaves S for the equations E of a node and replaces E by `L_S^-1 E`, where `L_S` holds the coefficients of
+//! E at S.
 
 use std::collections::BTreeMap;
 
@@ -15,9 +15,9 @@ use crate::deck::kinematics::vector::Vector;
 use crate::deck::plan::{CleanError, Plan, Written};
 use crate::deck::{Deck, Dof};
 
-/// Smallest component that ccx takes for nonzero.
+/// A component of a local axis below this counts as zero in ccx.
 const LEAST: f64 = 1e-5;
-/// Coefficients below this count as zero; the local slave has the coefficient 1.
+/// Coefficients below this count as zero, where the local slave has the coefficient 1.
 const ZERO: f64 = 1e-6;
 
 /// The equations of a plan, with slaves that ccx accepts.
@@ -47,7 +47,7 @@ fn refused(deck: &Deck, node: u32, why: &str) -> CleanError {
     CleanError::Fixed { place: deck.model.files[0].display().to_string(), why }
 }
 
-/// A node with its local axes, `axes[c]` in global coordinates.
+/// A node with local axes: `axes[c]` is axis c in global coordinates.
 struct TransformedNode<'a> {
     deck: &'a Deck,
     number: u32,
@@ -55,7 +55,7 @@ struct TransformedNode<'a> {
 }
 
 impl TransformedNode<'_> {
-    /// Combines the equations, if needed, so that ccx accepts them.
+    /// Replaces the equations by combinations of them with other slaves if ccx would not accept them as they are.
     fn choose_slaves(&self, equations: &[usize], written: &mut [Written]) -> Result<(), CleanError> {
         let rows: Vec<[f64; 3]> = equations.iter().map(|&i| self.coefficients(&written[i])).collect();
         let slaves: Vec<usize> = equations.iter().map(|&i| usize::from(written[i].slave.component) - 1).collect();
@@ -78,7 +78,7 @@ impl TransformedNode<'_> {
         Ok(())
     }
 
-    /// Coefficients of an equation at this node.
+    /// The three coefficients of an equation at this node, in local axes.
     fn coefficients(&self, equation: &Written) -> [f64; 3] {
         let mut all = [0.0; 3];
         for &(dof, v) in equation.terms.iter().chain(&[(equation.slave, 1.0)]) {
@@ -89,8 +89,8 @@ impl TransformedNode<'_> {
         all
     }
 
-    /// Whether ccx finds a direction for each slave, no equation has a zero coefficient in its direction, and the
-    /// coefficients of all equations in these directions form a nonsingular matrix.
+    /// Whether ccx accepts these equations with these slaves. It must find a direction for each slave, and each equation must have a
+    /// nonzero coefficient in its direction. The coefficients of all equations in these directions must form a nonsingular matrix.
     fn are_accepted(&self, rows: &[[f64; 3]], slaves: &[usize]) -> bool {
         let global = |row: &[f64; 3], d: usize| (0..3).map(|c| row[c] * self.axes[c][d]).sum::<f64>();
         let mut taken: Vec<usize> = Vec::new();
@@ -106,7 +106,7 @@ impl TransformedNode<'_> {
         own && inverse(&global_rows, &taken).is_some()
     }
 
-    /// Whether these components may be slaves, since no other card claims them.
+    /// Whether these components may be slaves: no other card claims them.
     fn is_free(&self, components: &[usize]) -> bool {
         let model = &self.deck.model;
         components.iter().all(|&c| !model.is_claimed(Dof { node: self.number, component: c as u8 + 1 }))
@@ -126,7 +126,7 @@ fn choices(count: usize) -> Vec<Vec<usize>> {
     all
 }
 
-/// Inverse of the chosen columns, by elimination with pivoting; `None` if it is nearly singular.
+/// The inverse of the matrix with the chosen columns, by Gauss elimination with pivoting; `None` if the matrix is nearly singular.
 fn inverse(rows: &[[f64; 3]], columns: &[usize]) -> Option<Vec<Vec<f64>>> {
     let n = columns.len();
     let unit = |i: usize| (0..n).map(move |j| if i == j { 1.0 } else { 0.0 });
@@ -158,7 +158,8 @@ fn size(by: &[Vec<f64>]) -> f64 {
     by.iter().flatten().fold(0.0, |most, v| most.max(v.abs()))
 }
 
-/// `sum_k by_k E_k`: coefficient 1 at its slave, and 0 at the slaves of the other equations of the node.
+/// The combination `sum_k by_k E_k` of the old equations E_k. It has the coefficient 1 at its slave, and 0 at the slaves of the other
+/// equations of the node.
 fn combined(old: &[Written], by: &[f64], slave: Dof) -> Written {
     let mut sums: BTreeMap<Dof, (f64, f64)> = BTreeMap::new();
     for (equation, factor) in old.iter().zip(by) {

@@ -1,5 +1,5 @@
-//! Writes a cleaned deck: removed equations become comments, and new ones precede the first step. Steps remove
-//! equations that end.
+//! Writes a cleaned deck: comments replace the removed equations, and new equations precede the first step. Steps remove the equations that
+//! end before them.
 
 mod equations;
 mod fewer_nodes;
@@ -15,8 +15,8 @@ use crate::deck::{Deck, Model};
 use equations::is_removal;
 use new_nodes::NewNodes;
 
-/// The main file with the plan carried out, and the DOFs that have other names in it. Included files that change are
-/// written into the main file.
+/// Returns the text of the main file after the plan is carried out, and the DOFs that have other names in it. Included files that change
+/// are written into the main file.
 pub fn write(deck: &Deck, plan: &Plan) -> Result<(Vec<u8>, Renamed), CleanError> {
     let model = &deck.model;
     let plan = &Plan { written: local_axes::with_slaves_for_ccx(deck, plan)?, ..plan.clone() };
@@ -44,7 +44,7 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<(Vec<u8>, Renamed), CleanError>
     Ok((text, new.rotations.renamed().chain(new.proxies.renamed()).collect()))
 }
 
-/// Handles cards that lose only some of their nodes: adds the shortened card below its comment.
+/// Handles cards that lose only some of their nodes: adds the shortened card below the comment that replaces the card.
 fn shorten(deck: &Deck, plan: &Plan, comments: &mut BTreeMap<(u32, u32), (u32, String)>) -> Result<(), CleanError> {
     for (number, ((file, line), shorter)) in (1..).zip(shortened(&deck.model, &plan.removed)) {
         let Some((lines, text)) = comments.get_mut(&(file, line)) else { continue };
@@ -62,14 +62,14 @@ fn shorten(deck: &Deck, plan: &Plan, comments: &mut BTreeMap<(u32, u32), (u32, S
 
 struct CalculixWriter<'a> {
     deck: &'a Deck,
-    /// By file and line: number of lines removed, and the comment in their place.
+    /// For a file and line: the number of lines to remove there, and the comment that replaces them.
     comments: BTreeMap<(u32, u32), (u32, String)>,
-    /// New equations, until they are written before the first step.
+    /// The text of the new equations, until it is written before the first step.
     new: Option<Vec<u8>>,
-    /// For each step, the card that removes equations. These cards replace the deck's own removals; `None` if those
-    /// remain right.
+    /// For each step, the card that removes equations. These cards replace the deck's own removal cards. `None` if the deck's own cards
+    /// stay valid.
     ends: Option<Vec<String>>,
-    /// Number of steps of the main file so far.
+    /// Number of steps of the main file that were written so far.
     steps: usize,
 }
 
@@ -104,8 +104,8 @@ impl CalculixWriter<'_> {
         Ok(edits.apply(&text))
     }
 
-    /// Handles a keyword line. New equations go before the first step, or to the end of the assembly if the deck has
-    /// instances. An `*EQUATION` line is removed if all of its equations are.
+    /// Writes what belongs before, after or in place of a keyword line. New equations go before the first step, or to the end of the
+    /// assembly if the deck has instances. An `*EQUATION` line is removed if all of its equations are removed.
     fn keyword(
         &mut self,
         file: u32,
@@ -117,7 +117,7 @@ impl CalculixWriter<'_> {
     ) -> Result<(), CleanError> {
         let word: Vec<u8> = keyword.iter().filter(|b| !b.is_ascii_whitespace()).map(u8::to_ascii_uppercase).collect();
         let is_step = word.starts_with(b"*STEP");
-        // Only the assembly can name nodes of instances.
+        // Nodes of instances have names only within the assembly, so the equations must stand there.
         let is_place = if self.deck.model.has_instances() { word.starts_with(b"*ENDASSEMBLY") } else { is_step };
         if is_place && file == 0 {
             self.new.take().into_iter().for_each(|new| edits.replace(line, 0, new));
@@ -131,7 +131,7 @@ impl CalculixWriter<'_> {
             let data = memchr::memchr_iter(b'\n', data).count() as u32;
             edits.replace(line, lines + data, b"** qless: the start of the step removes the equations\n".to_vec());
         } else if word.starts_with(b"*COUPLING") {
-            // If the second card of a `*COUPLING` is removed, the first one must go too: alone it would be incomplete.
+            // If the second card of a `*COUPLING` is removed, the first one must be removed too: alone it would be incomplete.
             let next = line + lines + memchr::memchr_iter(b'\n', data).count() as u32;
             if self.is_removed(file, next) {
                 edits.replace(line, lines, b"** qless: *COUPLING, written as equations\n".to_vec());
@@ -166,7 +166,7 @@ impl CalculixWriter<'_> {
         before.is_some_and(|((_, first), (lines, _))| line < first + lines)
     }
 
-    /// Number of an included file, if it or one of its includes changes.
+    /// The number of an included file if it, or a file that it includes, changes; otherwise `None`.
     fn included(&self, name: &str, from: u32) -> Option<u32> {
         let files = &self.deck.model.files;
         let beside = |file: usize| files[file].parent().unwrap_or(Path::new("")).join(name);

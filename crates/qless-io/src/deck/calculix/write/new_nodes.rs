@@ -1,4 +1,4 @@
-//! New nodes for DOFs that equations cannot name otherwise.
+//! Makes new nodes for DOFs that equations cannot name otherwise.
 //!
 //! - [`RotationNodes`]: the solver makes a rotation `w` for the reference node of a body. For a `*KINEMATIC` coupling it
 //!   is components 4 to 6 of that node; for a `*RIGID BODY`, no card can name it. A new node at the same position gets
@@ -15,7 +15,7 @@ use crate::deck::calculix::{definitions, positions};
 use crate::deck::plan::{Cases, CleanError, Plan, Written};
 use crate::deck::{Deck, Dof, Model, Origin};
 
-/// All new nodes.
+/// All new nodes of a cleaned deck.
 pub struct NewNodes {
     pub rotations: RotationNodes,
     pub proxies: ProxyNodes,
@@ -28,7 +28,7 @@ impl NewNodes {
         Ok(Self { rotations, proxies })
     }
 
-    /// Text of the new nodes.
+    /// The `*NODE` card that defines the new nodes; empty if there are none.
     pub fn nodes(&self, deck: &Deck) -> String {
         if self.rotations.count() == 0 && self.proxies.is_empty() {
             return String::new();
@@ -38,7 +38,7 @@ impl NewNodes {
     }
 }
 
-/// The new node of each rotation, by the first of its three components, for the bodies that equations replace.
+/// The new nodes that carry the rotations of bodies which equations replace. The key is the first of the rotation's three components.
 pub struct RotationNodes {
     node_of: BTreeMap<Dof, u32>,
 }
@@ -73,19 +73,19 @@ impl RotationNodes {
         Ok(Self { node_of: taken.into_iter().zip(next..).collect() })
     }
 
-    /// The DOF that the text names instead of this one: of a new node, or this DOF itself.
+    /// The DOF that the text names in place of `dof`: one of a new node, or `dof` itself.
     pub fn name(&self, dof: Dof) -> Dof {
         let own =
             self.node_of.range(Dof { component: 0, ..dof }..=dof).next_back().filter(|(first, _)| is_of(dof, **first));
         own.map_or(dof, |(first, &node)| Dof { node, component: dof.component - first.component + 1 })
     }
 
-    /// Number of new nodes.
+    /// Number of new nodes for rotations.
     pub fn count(&self) -> u32 {
         self.node_of.len() as u32
     }
 
-    /// Text of the new nodes.
+    /// The lines that define the new nodes, at the positions `places` of the nodes of the deck.
     pub fn nodes(&self, places: &HashMap<u32, [f64; 3]>) -> String {
         let node = |(Dof { node: reference, .. }, node): (&Dof, &u32)| {
             let [x, y, z] = places.get(reference).copied().unwrap_or_default();
@@ -94,7 +94,7 @@ impl RotationNodes {
         self.node_of.iter().map(node).collect()
     }
 
-    /// New DOFs, each with the DOF of the deck that it replaces.
+    /// Each new DOF, with the DOF of the deck that it replaces.
     pub fn renamed(&self) -> impl Iterator<Item = (Dof, Dof)> {
         let dofs = |(&first, &node): (&Dof, &u32)| {
             (0..3).map(move |k| (Dof { node, component: k + 1 }, Dof { component: first.component + k, ..first }))
@@ -102,7 +102,8 @@ impl RotationNodes {
         self.node_of.iter().flat_map(dofs)
     }
 
-    /// Lines that prescribe or load rotations with new nodes, by file and line, and the text that replaces each line.
+    /// The lines that prescribe or load a rotation which now belongs to a new node. For each file and line: the text that replaces the
+    /// line.
     pub fn lines(&self, deck: &Deck) -> Result<BTreeMap<(u32, u32), String>, CleanError> {
         let model = &deck.model;
         let prescribed = model.cases.iter().flat_map(|case| case.prescribed.iter().chain(&case.clashes));
@@ -117,8 +118,7 @@ impl RotationNodes {
         Ok(lines)
     }
 
-    /// Rewrites `node, first, last, rest`, or `node, component, rest` for a load: the rotations move to their new
-    /// node.
+    /// Rewrites a line `node, first, last, rest`, or `node, component, rest` of a load. Rotations move to their new node.
     fn line(&self, deck: &Deck, origin: Origin) -> Result<String, CleanError> {
         let card = deck.model.cards.nth(origin.card);
         let text = &deck.texts[card.file as usize];
@@ -146,7 +146,7 @@ impl RotationNodes {
     }
 }
 
-/// New nodes that repeat nodes with local axes, and the DOFs that they repeat.
+/// New nodes that stand for nodes with local axes, and the DOFs for which they stand.
 #[derive(Default)]
 pub struct ProxyNodes {
     node_of: BTreeMap<u32, u32>,
@@ -175,7 +175,7 @@ impl ProxyNodes {
         self.dofs.is_empty()
     }
 
-    /// DOFs of an equation that proxies replace, each with its proxy.
+    /// The DOFs of an equation that proxies replace, each with its proxy.
     pub fn in_place_of(&self, model: &Model, equation: &Written) -> BTreeMap<Dof, Dof> {
         let all = repeated(model, equation).filter(|_| !self.is_empty());
         all.map(|dof| (dof, self.proxy(dof))).collect()
@@ -185,12 +185,12 @@ impl ProxyNodes {
         self.node_of.get(&dof.node).map_or(dof, |&node| Dof { node, ..dof })
     }
 
-    /// New DOFs, each with the DOF of the deck that it repeats.
+    /// Each new DOF, with the DOF of the deck for which it stands.
     pub fn renamed(&self) -> impl Iterator<Item = (Dof, Dof)> {
         self.dofs.iter().map(|&dof| (self.proxy(dof), dof))
     }
 
-    /// Text of the new nodes, at the positions of the old ones.
+    /// The lines that define the proxy nodes, at the positions `places` of the nodes for which they stand.
     pub fn nodes(&self, deck: &Deck, places: &HashMap<u32, [f64; 3]>) -> String {
         let text = |(node, proxy): (&u32, &u32)| {
             let [x, y, z] = places.get(node).copied().unwrap_or_default();
@@ -200,15 +200,15 @@ impl ProxyNodes {
         self.node_of.iter().map(text).collect()
     }
 
-    /// The equations `u_d - u = 0`.
+    /// The equations `u_d - u = 0`, where u_d is a DOF of a proxy node and u the DOF for which it stands.
     pub fn equations(&self) -> impl Iterator<Item = Written> {
         self.renamed().map(|(slave, dof)| Written { slave, terms: vec![(dof, -1.0)], rhs: 0.0, cases: Cases::All })
     }
 }
 
-/// For each node with local axes at which the equation has several masters, the first of these masters. Skips equations
-/// with a master at the node of their slave, because ccx then adds up all terms. Skips nodes with a prescribed value
-/// along their axes, because ccx substitutes that value as an equation.
+/// The masters that need a proxy: the first one at each node with local axes at which the equation has several masters. Skips equations
+/// with a master at the node of their slave, because ccx then adds up all terms. Skips nodes with a prescribed value along their axes,
+/// because ccx substitutes that value as an equation.
 fn repeated<'a>(model: &'a Model, equation: &'a Written) -> impl Iterator<Item = Dof> + 'a {
     let own = model.as_global(equation.slave);
     let at_local_axes =
@@ -224,7 +224,7 @@ fn repeated<'a>(model: &'a Model, equation: &'a Written) -> impl Iterator<Item =
     at.into_iter().filter(move |(node, dofs)| dofs.len() > 1 && !is_given(node.node)).map(|(_, dofs)| dofs[0])
 }
 
-/// The rotation that a DOF belongs to, if the solver makes it.
+/// The first component of the rotation that a DOF belongs to; `None` unless the solver makes that rotation.
 fn own_rotation(model: &Model, dof: Dof) -> Option<Dof> {
     let node = Dof { component: 0, ..dof }..=dof;
     model.own_rotations.range(node).next_back().copied().filter(|first| is_of(dof, *first))
@@ -238,7 +238,7 @@ fn refused(deck: &Deck, why: String) -> CleanError {
     CleanError::Fixed { place: deck.model.files[0].display().to_string(), why }
 }
 
-/// The smallest node number above all used ones.
+/// The node number after the highest one that the deck uses.
 fn unused_node(deck: &Deck) -> Result<u32, CleanError> {
     let listed = definitions(deck)?.node_numbers().last().copied().unwrap_or(0);
     let used = deck.model.dofs.iter().map(|dof| dof.node).max().unwrap_or(0);

@@ -1,4 +1,4 @@
-//! Rigid bodies.
+//! Reads the cards of rigid bodies.
 //!
 //! ```text
 //! *CONSTRAINED_NODAL_RIGID_BODY    PID, CID, NSID, PNODE, IPRT, DRFLAG, RRFLAG
@@ -18,12 +18,12 @@ use crate::deck::lsdyna::model::mesh::{Gap, SetKind};
 use crate::deck::lsdyna::syntax::fields::{DynaLine, KeywordFault};
 use crate::deck::{Model, Problem};
 
-/// Field of the node set of a nodal rigid body: NSID, or PID if it is 0.
+/// The field that names the node set of a nodal rigid body: NSID, or PID if NSID is 0.
 fn set_field(line: &DynaLine) -> Result<usize, KeywordFault> {
     Ok(if line.id(2)? == 0 { 0 } else { 2 })
 }
 
-/// Adds a nodal rigid body to the definitions; `inertia` is the line with its centre of mass.
+/// Adds a nodal rigid body to the definitions. `inertia` is the line that gives its centre of mass.
 pub fn define(
     line: &DynaLine,
     inertia: Option<&DynaLine>,
@@ -35,14 +35,14 @@ pub fn define(
     all.add_body(line.id(0)?, &nodes, centre, model).map_err(|problem| line.fault(problem))
 }
 
-/// Equations of the nodes of a nodal rigid body.
+/// The equations of the nodes of a nodal rigid body.
 pub fn nodal(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
     let line = &lines[0];
     let mut nodes = all.mesh.node_list(true, line, set_field(line)?)?;
     if line.whole(5)? != 0 || line.whole(6)? != 0 {
         return Err(Gap::Unread("releases components (DRFLAG, RRFLAG)".into()));
     }
-    // The solver moves this node to the centre of mass.
+    // The solver moves the node PNODE to the centre of mass, so this node belongs to the body.
     let centre = line.whole(3)?.unsigned_abs() as u32;
     if centre != 0 && !nodes.contains(&centre) {
         nodes.push(centre);
@@ -50,7 +50,7 @@ pub fn nodal(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeani
     GroupMeaning::of_body(line, all.follow(all.named(line, 0)?, nodes))
 }
 
-/// [`nodal`] with the option `_SPC`: a second line holds components of the centre of mass at zero.
+/// Reads a [`nodal`] rigid body with the option `_SPC`: its second line holds components of the centre of mass at zero.
 pub fn nodal_held(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
     let made = nodal(lines, all)?;
     let Some(line) = lines.get(1) else { return Ok(made) };
@@ -70,12 +70,12 @@ fn held_at_centre(line: &DynaLine) -> Result<Components, Gap> {
     }
 }
 
-/// Equations of a node that is added to a body.
+/// The equations of a node that is added to a rigid body.
 pub fn extra_node(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
     extra(&lines[0], false, all)
 }
 
-/// Equations of a set of nodes that are added to a body.
+/// The equations of a set of nodes that are added to a rigid body.
 pub fn extra_set(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
     extra(&lines[0], true, all)
 }
@@ -88,7 +88,7 @@ fn extra(line: &DynaLine, is_set: bool, all: &mut DynaDefinitions) -> Result<Gro
     GroupMeaning::of_body(line, all.follow(body, nodes))
 }
 
-/// Equations that merge the second body into the first.
+/// The equations that merge a second rigid body into the first.
 pub fn merged(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
     let line = &lines[0];
     let (lead, constrained) = (all.named(line, 0)?, all.named(line, 1)?);
@@ -103,7 +103,7 @@ pub fn merged(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMean
     GroupMeaning::of_body(line, element.equations(&all.mesh))
 }
 
-/// Equations of the nodes of a part, if its material is rigid.
+/// The equations of the nodes of a part, if the material of the part is rigid.
 pub fn part(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
     let part = lines[0].id(0)?;
     let is_rigid = all.mesh.parts.get(&part).is_some_and(|part| all.mesh.rigid.contains(&part.material));

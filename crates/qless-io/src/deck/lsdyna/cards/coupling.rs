@@ -1,4 +1,4 @@
-//! Couplings of nodes: weighted means, linear equations and equal translations.
+//! Reads the cards that couple nodes: weighted means, linear equations and equal translations.
 //!
 //! ```text
 //! *CONSTRAINED_INTERPOLATION      ICID, DNID, DDOF, CIDD, ITYP
@@ -18,7 +18,7 @@ use crate::deck::lsdyna::syntax::fields::{DynaLine, KeywordFault};
 use crate::deck::{Dof, Problem};
 use crate::fault::quote;
 
-/// The dependent node moves as the weighted mean of the independent ones.
+/// The equations by which a dependent node moves as the weighted mean of the independent nodes.
 pub fn interpolation(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
     let (first, mesh) = (&lines[0], &all.mesh);
     let (is_set, reference) = (first.whole(4)? == 1, first.id(1)?);
@@ -39,7 +39,7 @@ pub fn interpolation(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<Gr
     GroupMeaning::of_body(first, element.equations(mesh))
 }
 
-/// Components of a field, such as 1356, that the node has; all of them if the field is blank.
+/// The components that a field lists, such as 1356, without those that the node does not have. A blank field lists all.
 fn components(line: &DynaLine, field: usize, node: u32, mesh: &DynaMesh) -> Result<Components, KeywordFault> {
     let code = line.whole(field)?;
     let given = if code == 0 { Some(Components::ALL) } else { Components::parse(code.to_string().as_bytes()) };
@@ -49,7 +49,7 @@ fn components(line: &DynaLine, field: usize, node: u32, mesh: &DynaMesh) -> Resu
     Ok(if mesh.rotates(node) { all } else { all.and(Components::TRANSLATIONS) })
 }
 
-/// The weights of components 1 to 6. The first is 1 by default, and the others are the first.
+/// The weights of components 1 to 6. The default is 1 for the first weight, and the first weight for the others.
 fn weights(line: &DynaLine) -> Result<[f64; 6], KeywordFault> {
     let mut weights = [1.0; 6];
     for k in 0..6 {
@@ -59,7 +59,7 @@ fn weights(line: &DynaLine) -> Result<[f64; 6], KeywordFault> {
     Ok(weights)
 }
 
-/// The equation of some terms. The solver eliminates the first DOF.
+/// The equation that consists of the listed terms. The solver eliminates its first DOF.
 pub fn linear(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
     let mut terms = Vec::new();
     for line in lines[1..].iter().filter(|line| !line.is_blank()) {
@@ -75,7 +75,7 @@ pub fn linear(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMean
     GroupMeaning::of_rows(&lines[0], Ok(rows))
 }
 
-/// The nodes of a set have the same translations in some directions; the first node leads.
+/// The equations by which the nodes of a set have the same translations in some directions. The other nodes follow the first.
 pub fn equal(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
     let (nodes, directions) = (all.mesh.node_list(true, &lines[0], 0)?, coded(&lines[0], 1, 1)?);
     let follows = |dof: Dof| CouplingEquation::new(dof, [(Dof { node: nodes[0], ..dof }, 1.0)]);

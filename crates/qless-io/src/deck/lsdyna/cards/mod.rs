@@ -1,4 +1,4 @@
-//! Equations and prescribed values of each card that constrains. `reader` calls a [`ReadGroup`] for each group of lines.
+//! Reads the equations and prescribed values of each card that constrains. `reader` calls a [`ReadGroup`] for each group of lines.
 
 pub mod body;
 pub mod coupling;
@@ -14,7 +14,7 @@ use crate::deck::kinematics::components::Components;
 use crate::deck::{Dof, Problem};
 use crate::fault::quote;
 
-/// What a group of lines of a card means.
+/// What a group of lines of a card means: equations, prescribed DOFs and messages.
 #[derive(Default)]
 pub struct GroupMeaning {
     pub rows: Vec<CouplingEquation>,
@@ -22,32 +22,32 @@ pub struct GroupMeaning {
     pub is_linearised: bool,
     pub held: Vec<HeldDof>,
     pub warning: Option<String>,
-    /// Why a part of the constraint is left out; a clause.
+    /// Why a part of the constraint is left out. The text is a clause.
     pub left_out: Option<String>,
-    /// The number of the constraint, for its label.
+    /// The number of the constraint, which its label shows.
     pub number: Option<u32>,
 }
 
-/// A prescribed value.
+/// A DOF with a prescribed value.
 pub struct HeldDof {
     pub dof: Dof,
     pub value: f64,
-    /// Name of its time history; the standard one for a value of zero.
+    /// The name of the value's time history. `None` is the standard history; a value of zero always has it.
     pub history: Option<String>,
     pub line: u32,
 }
 
-/// Reads a group of lines, of which there is at least one.
+/// The type of functions that read a group of lines. The group has at least one line.
 pub type ReadGroup = fn(&[DynaLine], &mut DynaDefinitions) -> Result<GroupMeaning, Gap>;
 
 impl GroupMeaning {
-    /// Equations of a constraint with a number in the first field.
+    /// The meaning of a group that gives the equations `rows`. The first field of `line` is the number of the constraint.
     pub fn of_rows(line: &DynaLine, rows: Result<Vec<CouplingEquation>, Problem>) -> Result<Self, Gap> {
         let rows = rows.map_err(|problem| line.fault(problem))?;
         Ok(Self { rows, number: Some(line.id(0)?), ..Self::default() })
     }
 
-    /// [`Self::of_rows`] for equations that hold for small rotations only.
+    /// Like [`Self::of_rows`], for equations that hold for small rotations only.
     pub fn of_body(line: &DynaLine, rows: Result<Vec<CouplingEquation>, Problem>) -> Result<Self, Gap> {
         Self::of_rows(line, rows).map(|made| Self { is_linearised: !made.rows.is_empty(), ..made })
     }
@@ -60,12 +60,13 @@ impl GroupMeaning {
     }
 }
 
-/// DOFs of these components of some nodes.
+/// All DOFs with these components at these nodes.
 pub fn dofs(nodes: Vec<u32>, set: Components) -> impl Iterator<Item = Dof> {
     nodes.into_iter().flat_map(move |node| set.iter().map(move |component| Dof { node, component }))
 }
 
-/// Components of a code 0 to 7 in a field: none, x, y, z, xy, yz, zx, xyz. `first` is the component of x.
+/// The components for a code from 0 to 7 in a field: none, x, y, z, xy, yz, zx, xyz. `first` is the component that stands for x: 1 for
+/// translations, 4 for rotations.
 pub fn coded(line: &DynaLine, field: usize, first: u8) -> Result<Components, KeywordFault> {
     const AXES: [&[u8]; 8] = [&[], &[0], &[1], &[2], &[0, 1], &[1, 2], &[2, 0], &[0, 1, 2]];
     let axes = usize::try_from(line.whole(field)?).ok().and_then(|code| AXES.get(code)).ok_or_else(|| {

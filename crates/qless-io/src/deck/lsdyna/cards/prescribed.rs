@@ -1,4 +1,4 @@
-//! Prescribed values.
+//! Reads the cards that prescribe values.
 //!
 //! ```text
 //! *NODE                               NID, X, Y, Z, TC, RC
@@ -7,8 +7,8 @@
 //!   _SET, _RIGID
 //! ```
 //!
-//! A curve (LCID) is a time history. The reader does not evaluate it: the scale factor SF counts as the value at the end. Motions with the
-//! same curve are therefore compared by their factors, and motions with different curves are independent.
+//! A curve (LCID) is a time history. The reader does not evaluate the curve: the scale factor SF counts as the value at the end. So motions
+//! with the same curve are compared by their factors, and motions with different curves count as independent.
 
 use super::{GroupMeaning, HeldDof, coded, dofs};
 use crate::deck::kinematics::components::Components;
@@ -16,7 +16,7 @@ use crate::deck::lsdyna::model::bodies::DynaDefinitions;
 use crate::deck::lsdyna::model::mesh::Gap;
 use crate::deck::lsdyna::syntax::fields::{DynaLine, FieldLayout, KeywordFault};
 
-/// Components of a node that its `*NODE` line holds at zero: TC and RC.
+/// The components of a node that the fields TC and RC of its `*NODE` line hold at zero.
 pub fn node(lines: &[DynaLine], _: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
     let line = lines[0].laid_out(FieldLayout::Node);
     if line.field(4).is_empty() && line.field(5).is_empty() {
@@ -26,19 +26,20 @@ pub fn node(lines: &[DynaLine], _: &mut DynaDefinitions) -> Result<GroupMeaning,
     Ok(GroupMeaning::default().with_held(&line, dofs(vec![line.id(0)?], held)))
 }
 
-/// Components that a support of a node holds at zero.
+/// The components that a support holds at zero at a node.
 pub fn node_support(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
     let nodes = all.mesh.node_list(false, &lines[0], 0)?;
     Ok(GroupMeaning::default().with_held(&lines[0], dofs(nodes, supported(&lines[0])?)))
 }
 
-/// Components that a support of a node set holds at zero.
+/// The components that a support holds at zero at the nodes of a set.
 pub fn set_support(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
     let nodes = all.mesh.node_list(true, &lines[0], 0)?;
     Ok(GroupMeaning::default().with_held(&lines[0], dofs(nodes, supported(&lines[0])?)))
 }
 
-/// Components of a support. Local directions mean the same as global ones if all three are held.
+/// The components that a support holds. If it holds all three translations or all three rotations, local directions mean the same as global
+/// ones.
 fn supported(line: &DynaLine) -> Result<Components, Gap> {
     let mut held = Components::default();
     for component in 1..=6 {
@@ -54,17 +55,17 @@ fn supported(line: &DynaLine) -> Result<Components, Gap> {
     Ok(held)
 }
 
-/// Motion of a node.
+/// The motion that the card prescribes for a node.
 pub fn node_motion(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
     motion(&lines[0], all.mesh.node_list(false, &lines[0], 0)?)
 }
 
-/// Motion of a node set.
+/// The motion that the card prescribes for the nodes of a set.
 pub fn set_motion(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
     motion(&lines[0], all.mesh.node_list(true, &lines[0], 0)?)
 }
 
-/// Motion of the centre of mass of a rigid body.
+/// The motion that the card prescribes for the centre of mass of a rigid body.
 pub fn body_motion(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
     motion(&lines[0], vec![all.named(&lines[0], 0)?.node])
 }
@@ -79,7 +80,7 @@ fn motion(line: &DynaLine, nodes: Vec<u32>) -> Result<GroupMeaning, Gap> {
     let component = match line.whole(1)? {
         direction @ 1..=3 => direction as u8,
         rotation @ 5..=7 => rotation as u8 - 1,
-        // Some of these have a second line.
+        // The rest of the card cannot be read either: some of these motions have a second line.
         other => return Err(Gap::UnreadFromHere(format!("prescribes a motion with DOF = {other}"))),
     };
     let time = |field, word: &str| {

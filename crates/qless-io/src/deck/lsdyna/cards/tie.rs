@@ -1,5 +1,6 @@
-//! `*CONTACT_TIED_NODES_TO_SURFACE` and `*CONTACT_TIED_SURFACE_TO_SURFACE`: the translations of each slave node follow the nearest
-//! point of a master segment, `u_s = sum N_i u_i`. The solver moves the node to this point.
+//! Reads `*CONTACT_TIED_NODES_TO_SURFACE` and `*CONTACT_TIED_SURFACE_TO_SURFACE`. The translations u_s of each slave node follow the
+//! nearest point of a master segment, `u_s = sum N_i u_i`: N_i are the shape functions of the segment at this point, and u_i the
+//! translations of its nodes. The solver moves the slave node to this point.
 //!
 //! ```text
 //! line 1   SSID, MSID, SSTYP, MSTYP     types: 0 segment set, 2 part set, 3 part, 4 node set
@@ -17,12 +18,12 @@ use crate::deck::lsdyna::model::mesh::{DynaElement, DynaMesh, ElementKind, Gap, 
 use crate::deck::lsdyna::syntax::fields::DynaLine;
 use crate::deck::{Dof, Problem};
 
-/// A node is tied if its distance from the segment is at most `max(OF_DIAGONAL * d, OF_THICKNESS * t)`: d is the shorter diagonal of the
-/// segment, and t the sum of the thicknesses SST and MST (Keyword Manual, remarks on tied contact).
+/// A node is tied if its distance from the segment is at most `max(OF_DIAGONAL * d, OF_THICKNESS * t)`. Here d is the shorter diagonal of
+/// the segment, and t the sum of the thicknesses SST and MST (Keyword Manual, remarks on tied contact).
 const OF_DIAGONAL: f64 = 0.05;
 const OF_THICKNESS: f64 = 0.6;
 
-/// Ties the slave nodes of a contact.
+/// The equations that tie the slave nodes of a contact to its master segments.
 pub fn tie(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
     let (line, mesh) = (&lines[0], &all.mesh);
     let thickness = match lines.get(2) {
@@ -52,7 +53,7 @@ pub fn tie(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning
     Ok(made)
 }
 
-/// Equations of the three translations.
+/// The equations of the three translations of a tied node.
 fn rows(node: u32, masters: &[u32], weights: &[f64]) -> impl Iterator<Item = CouplingEquation> {
     (1..=3).map(move |component| {
         let term = |(&master, &weight): (&u32, &f64)| (Dof { node: master, component }, weight);
@@ -94,7 +95,7 @@ fn elements<'a>(line: &DynaLine, field: usize, kind: i64, mesh: &'a DynaMesh) ->
     }
 }
 
-/// Faces of shells, and faces of solids that belong to one solid only.
+/// The faces of shells, and those faces of solids that belong to only one solid.
 fn outside(elements: Vec<&DynaElement>) -> Vec<Vec<u32>> {
     const SIDES: [[usize; 4]; 6] = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
     let (shells, others): (Vec<_>, Vec<_>) = elements.into_iter().partition(|one| one.kind == ElementKind::Shell);
@@ -102,7 +103,7 @@ fn outside(elements: Vec<&DynaElement>) -> Vec<Vec<u32>> {
     for DynaElement { nodes, .. } in
         others.into_iter().filter(|one| one.kind == ElementKind::Solid && one.nodes.len() > 3)
     {
-        // A tetrahedron repeats its last corner, unless it has ten nodes, of which four are corners.
+        // Index of the last corner. A tetrahedron repeats its last corner, unless it has ten nodes, of which four are corners.
         let last = if nodes.len() == 10 { 3 } else { nodes.len().min(8) - 1 };
         let sides = SIDES.iter().map(|side| distinct(&side.map(|k| nodes[k.min(last)])));
         faces.extend(sides.filter(|side| side.len() > 2));
@@ -119,7 +120,7 @@ fn outside(elements: Vec<&DynaElement>) -> Vec<Vec<u32>> {
     faces
 }
 
-/// Nodes of a face without repetition: the last node of a triangle is written twice.
+/// The nodes of a face, each once: a triangle has its last node twice.
 fn distinct(face: &[u32]) -> Vec<u32> {
     let mut nodes: Vec<u32> = Vec::with_capacity(face.len());
     for node in face {

@@ -1,6 +1,6 @@
-//! Cards that constrain but are not read.
+//! Lists cards that constrain but are not read.
 
-/// Why a keyword leaves a constraint out, as a clause, if it does.
+/// Why a card with this keyword is left out although it constrains, as a clause. `None` if it is no constraint.
 pub fn reason(keyword: &str) -> Option<&'static str> {
     let has = |word: &str| keyword.contains(word);
     if keyword.starts_with("CONTACT_") && ["TIED", "TIEBREAK", "SPOTWELD"].into_iter().any(has) {
@@ -15,7 +15,7 @@ const MOVES: &str = "moves nodes, and is not understood";
 const CHANGES: &str = "changes which parts are rigid, and is not understood";
 const ELSEWHERE: &str = "includes a file in a way that is not understood";
 
-/// Starts of keywords, and why their cards are left out; the first match counts. An empty reason: the card is no constraint.
+/// How keywords start, and why their cards are left out; the first match counts. An empty reason means that the card is no constraint.
 const STARTS: [(&str, &str); 13] = [
     ("CONSTRAINED_JOINT_STIFFNESS", ""),
     ("CONSTRAINED_RIGID_BODY_STOPPERS", ""),

@@ -1,9 +1,9 @@
 //! Rigid bodies: parts of a rigid material, and nodal rigid bodies.
 //!
-//! The motion of a body is that of a reference point, `u_k = u_r + w x (x_k - x_r)`, which the model has as a node of its own, `body 5` for
-//! part 5. Values that cards prescribe for a body hold at its centre of mass. If the deck does not give the centre, the reference is
-//! another point. Translations can then be prescribed only if all rotations are held at zero, because then all points
-//! of the body move alike.
+//! Node k of a body follows a reference point r with the rotation w: `u_k = u_r + w x (x_k - x_r)`, where x are positions. The model has a
+//! node of its own for the reference point, such as `body 5` for part 5. Values that cards prescribe for a body hold at its centre of mass.
+//! If the deck does not give this centre, the reference is another point. Then translations can be prescribed only if all rotations are
+//! held at zero: in that case all points of the body move alike.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -15,12 +15,12 @@ use crate::deck::kinematics::vector::Vector;
 use crate::deck::lsdyna::syntax::fields::{DynaLine, KeywordFault};
 use crate::deck::{Dof, Model, Problem};
 
-/// A rigid body.
+/// A rigid body, given by the node at its reference point.
 #[derive(Clone, Copy, Debug)]
 pub struct RigidReference {
-    /// The node that stands for the body.
+    /// The node at the reference point of the body.
     pub node: u32,
-    /// Whether the node is the centre of mass.
+    /// Whether this node is at the centre of mass.
     is_centre: bool,
 }
 
@@ -32,7 +32,7 @@ pub struct DynaDefinitions {
 }
 
 impl DynaDefinitions {
-    /// Adds a body with these nodes. Its reference point is the centre of mass, or else the mean of the nodes.
+    /// Adds a body with these nodes. Its reference point is the centre of mass if `centre` gives it, or else the mean of the nodes.
     pub fn add_body(
         &mut self,
         part: u32,
@@ -50,7 +50,7 @@ impl DynaDefinitions {
         Ok(())
     }
 
-    /// Adds the parts with a rigid material.
+    /// Adds a body for each part whose material is rigid.
     pub fn add_parts(&mut self, model: &mut Model) -> Result<(), Problem> {
         let rigid = self.mesh.parts.iter().filter(|(_, part)| self.mesh.rigid.contains(&part.material));
         let mut parts: Vec<(u32, Option<Vector>)> = rigid.map(|(&id, part)| (id, part.centre)).collect();
@@ -61,31 +61,31 @@ impl DynaDefinitions {
         })
     }
 
-    /// The body of a part.
+    /// The body that consists of a part.
     pub fn body(&self, part: u32) -> Option<RigidReference> {
         self.bodies.get(&part).copied()
     }
 
-    /// The body that a field of a line names.
+    /// The body that a field of a line names by its part.
     pub fn named(&self, line: &DynaLine, field: usize) -> Result<RigidReference, KeywordFault> {
         let part = line.id(field)?;
         let undefined = || line.fault_at(field, Problem::Undefined { what: "rigid body", name: part.to_string() });
         self.body(part).ok_or_else(undefined)
     }
 
-    /// Records that masses of other bodies or nodes move the centre of a body.
+    /// Records that the centre of mass of a body is not the given one, because masses of other bodies or nodes move it.
     pub fn move_centre(&mut self, part: u32) {
         if let Some(body) = self.bodies.get_mut(&part) {
             body.is_centre = false;
         }
     }
 
-    /// References that are not at the centre of mass.
+    /// The reference nodes that are not at the centre of mass of their body.
     pub fn without_centre(&self) -> FxHashSet<u32> {
         self.bodies.values().filter(|body| !body.is_centre).map(|body| body.node).collect()
     }
 
-    /// Equations of nodes that follow a body. Nodes of solids have no rotations.
+    /// The equations by which nodes follow a body. Nodes of solids have no rotations.
     pub fn follow(&self, body: RigidReference, nodes: Vec<u32>) -> Result<Vec<CouplingEquation>, Problem> {
         if nodes.is_empty() {
             return Ok(Vec::new());
@@ -97,7 +97,7 @@ impl DynaDefinitions {
 }
 
 impl RigidReference {
-    /// The DOFs of these components.
+    /// The DOFs with these components at the reference node of the body.
     pub fn dofs(self, set: Components) -> impl Iterator<Item = Dof> + use<> {
         let node = self.node;
         set.iter().map(move |component| Dof { node, component })

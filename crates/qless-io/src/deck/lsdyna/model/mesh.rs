@@ -1,4 +1,4 @@
-//! Definitions that constraints refer to: nodes, elements, parts, rigid materials and sets.
+//! Stores what constraints refer to: nodes, elements, parts, rigid materials and sets.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -9,14 +9,14 @@ use crate::deck::kinematics::vector::Vector;
 use crate::deck::lsdyna::syntax::card::DynaCard;
 use crate::deck::lsdyna::syntax::fields::{DynaLine, FieldLayout, KeywordFault, Parameters};
 
-/// A part: its material, and its centre of mass if `*PART_INERTIA` gives it.
+/// A part: the number of its material, and its centre of mass if `*PART_INERTIA` gives it.
 #[derive(Clone, Copy, Debug)]
 pub struct DynaPart {
     pub material: u32,
     pub centre: Option<Vector>,
 }
 
-/// A kind of sets.
+/// What a set consists of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SetKind {
     Node,
@@ -25,7 +25,7 @@ pub enum SetKind {
     Segment,
 }
 
-/// Members of a set, or the keyword of a set that is not read.
+/// The members of a set; or, if the set is not read, its keyword.
 type NamedMembers = Result<Vec<u32>, String>;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,13 +42,13 @@ pub struct DynaElement {
     pub nodes: Vec<u32>,
 }
 
-/// Why a constraint cannot be made of definitions.
+/// Why a constraint cannot be made from its card and the definitions.
 pub enum Gap {
-    /// The deck is wrong.
+    /// The deck is wrong at this place.
     Fault(KeywordFault),
-    /// This reader does not read a definition that the constraint needs, or an option of its card; a clause for a message.
+    /// The constraint needs a definition, or its card has an option, that this reader does not read. The text is a clause for a message.
     Unread(String),
-    /// As [`Gap::Unread`], and the following lines of the card are not understood either.
+    /// As [`Gap::Unread`]. In addition, the following lines of the card are not understood.
     UnreadFromHere(String),
 }
 
@@ -58,25 +58,25 @@ impl From<KeywordFault> for Gap {
     }
 }
 
-/// All definitions of a deck.
+/// All definitions of a deck that constraints may refer to.
 #[derive(Default)]
 pub struct DynaMesh {
     pub nodes: FxHashMap<u32, Vector>,
     pub parts: FxHashMap<u32, DynaPart>,
-    /// Materials that make a part rigid.
+    /// Numbers of the materials that make a part rigid.
     pub rigid: FxHashSet<u32>,
     pub sets: FxHashMap<(SetKind, u32), NamedMembers>,
     elements: FxHashMap<u32, Vec<DynaElement>>,
-    /// A keyword of elements that is not read, so that the nodes of parts are not known.
+    /// A keyword that defines elements but is not read; then the nodes of parts are not known.
     unread_elements: Option<String>,
     of_solids: FxHashSet<u32>,
     of_others: FxHashSet<u32>,
-    /// The highest number of a node.
+    /// The highest number of a node so far.
     highest: u32,
 }
 
 impl DynaMesh {
-    /// Notes the definitions of a card; other cards are ignored.
+    /// Records what a card defines; ignores all other cards.
     pub fn note(&mut self, card: &DynaCard, parameters: &Parameters) -> Result<(), KeywordFault> {
         let (name, [has_title]) = card.without(["_TITLE"]);
         let mut lines = card.lines(parameters).skip(usize::from(has_title)).filter(|line| !line.is_blank());
@@ -106,7 +106,8 @@ impl DynaMesh {
         Ok(())
     }
 
-    /// Elements of one card. Options add lines to each of them; if an option is unknown, so are the nodes.
+    /// Records the elements of one card. Options add lines to each element. If an option is unknown, the nodes of parts are not known any
+    /// more.
     fn elements<'a>(&mut self, card: &DynaCard, lines: impl Iterator<Item = DynaLine<'a>>) -> Result<(), KeywordFault> {
         let mut words = card.keyword.split('_').skip(1);
         let kind = match words.next() {
@@ -120,17 +121,17 @@ impl DynaMesh {
             self.unread_elements = Some(format!("*{}", card.keyword));
             return Ok(());
         };
-        // The angle of a shell is on the line of its thickness.
+        // The angle of a shell needs no line of its own if the shell has a line with its thickness.
         let has = |option| kind == ElementKind::Shell && options.contains(&option);
         let more = more - usize::from(has("THICKNESS") && (has("BETA") || has("MCID")));
         let mut lines = lines.map(|line| line.laid_out(FieldLayout::Element));
         while let Some(line) = lines.next() {
             let (part, mut nodes) = (line.id(1)?, line.ids(2, 8)?);
-            // Solids may have their nodes in a line of their own.
+            // A solid may have its nodes on a line of their own.
             if nodes.is_empty() && kind == ElementKind::Solid {
                 nodes = lines.next().map(|line| line.ids(0, 10)).transpose()?.unwrap_or_default();
             }
-            // The third node of a beam only orients it. Nodes in the middle of edges have their thickness on another line.
+            // The third node of a beam only orients it. A shell with nodes in the middle of its edges has their thickness on another line.
             nodes.truncate(if kind == ElementKind::Beam { 2 } else { 10 });
             let middle = usize::from(nodes.len() > 4 && has("THICKNESS"));
             (0..more + middle).for_each(|_| _ = lines.next());
@@ -160,7 +161,7 @@ impl DynaMesh {
         Ok(())
     }
 
-    /// Members of the set in a field of a line.
+    /// The members of the set that a field of a line names.
     pub fn members(&self, kind: SetKind, line: &DynaLine, field: usize) -> Result<&[u32], Gap> {
         let id = line.id(field)?;
         let what = match kind {
@@ -175,7 +176,7 @@ impl DynaMesh {
         }
     }
 
-    /// Nodes of a set, each once, in the order of the set; or the node that the field names.
+    /// The nodes of the set that a field names, each once, in the order of the set; or the single node that the field names.
     pub fn node_list(&self, is_set: bool, line: &DynaLine, field: usize) -> Result<Vec<u32>, Gap> {
         let mut seen = FxHashSet::default();
         let nodes = if is_set { self.members(SetKind::Node, line, field)?.to_vec() } else { vec![line.id(field)?] };
@@ -185,7 +186,7 @@ impl DynaMesh {
         }
     }
 
-    /// Elements of some parts.
+    /// The elements of these parts.
     pub fn elements_of(&self, parts: &[u32]) -> Result<Vec<&DynaElement>, Gap> {
         match &self.unread_elements {
             Some(keyword) => Err(Gap::Unread(format!("needs the nodes of a part, and {keyword} is not read"))),
@@ -193,7 +194,7 @@ impl DynaMesh {
         }
     }
 
-    /// Nodes of a part, ascending.
+    /// The nodes of a part, ascending, each once.
     pub fn nodes_of(&self, part: u32) -> Result<Vec<u32>, Gap> {
         let elements = self.elements_of(&[part])?;
         let mut nodes: Vec<u32> = elements.into_iter().flat_map(|element| &element.nodes).copied().collect();
@@ -206,17 +207,17 @@ impl DynaMesh {
         self.elements.values().flatten().any(|element| element.kind == ElementKind::Shell)
     }
 
-    /// Whether a node has rotations: it belongs to shells or beams, or to no element.
+    /// Whether a node has rotations. It has them if it belongs to a shell or a beam, or to no element.
     pub fn rotates(&self, node: u32) -> bool {
         self.of_others.contains(&node) || !self.of_solids.contains(&node)
     }
 
-    /// A centre of mass, `XC, YC, ZC, TM, IRCS, NODEID`: the node if there is one, or else the coordinates.
+    /// The centre of mass on a line `XC, YC, ZC, TM, IRCS, NODEID`: the position of the node, or the coordinates if no such node exists.
     pub fn centre(&self, line: &DynaLine) -> Result<Vector, KeywordFault> {
         self.nodes.get(&line.id(5)?).map_or_else(|| line.vector(0), |position| Ok(*position))
     }
 
-    /// A node number that the deck does not use, at this position.
+    /// Adds a node at this position. Returns its number, which no node of the deck has.
     pub fn add_node(&mut self, position: Vector) -> Option<u32> {
         self.highest = self.highest.checked_add(1)?;
         self.nodes.insert(self.highest, position);
@@ -231,7 +232,7 @@ impl Poses for DynaMesh {
     }
 }
 
-/// Lines that an option adds to an element, if the option is known.
+/// The number of lines that an option adds to an element; `None` if the option is unknown.
 fn option_lines(kind: ElementKind, option: &str) -> Option<usize> {
     match (kind, option) {
         (ElementKind::Shell, "THICKNESS" | "BETA" | "MCID" | "OFFSET")
@@ -241,11 +242,11 @@ fn option_lines(kind: ElementKind, option: &str) -> Option<usize> {
     }
 }
 
-/// The line with the numbers of a part, and the line with its centre of mass.
+/// The line with the numbers of a part, and, if the card has it, the line with its centre of mass.
 pub type PartLines<'a> = (DynaLine<'a>, Option<DynaLine<'a>>);
 
-/// Parts of a card: a line with a title, a line with numbers, and more lines for options. Cards with other options than these make
-/// no part rigid.
+/// The parts on a card. Each has a line with a title, a line with numbers, and more lines for options. If the card has other options than
+/// these, no parts are returned, so that none becomes rigid.
 pub fn part_lines<'a>(card: &'a DynaCard, parameters: &'a Parameters) -> Result<Vec<PartLines<'a>>, KeywordFault> {
     let options: Vec<&str> = card.keyword.split('_').skip(1).collect();
     if options.iter().any(|option| !["INERTIA", "REPOSITION", "CONTACT", "PRINT"].contains(option)) {
@@ -255,7 +256,7 @@ pub fn part_lines<'a>(card: &'a DynaCard, parameters: &'a Parameters) -> Result<
     let (mut lines, mut parts) = (card.lines(parameters), Vec::new());
     while let (Some(_), Some(line)) = (lines.next(), lines.next()) {
         let inertia = has_inertia.then(|| lines.next()).flatten();
-        // A local frame of the inertia takes another line.
+        // If the inertia has a local frame, the part has another line.
         let more = inertia.map_or(Ok(0), |line| line.whole(4).map(|frame| if frame == 1 { 3 } else { 2 }))?;
         (0..more + options.len() - usize::from(has_inertia)).for_each(|_| _ = lines.next());
         if !line.is_blank() {

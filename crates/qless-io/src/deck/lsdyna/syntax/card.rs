@@ -7,13 +7,13 @@ use super::fields::{DynaLine, FieldLayout, FieldWidth, Parameters};
 use crate::bytes::LINE;
 use crate::deck::{DeckError, Problem, Sources};
 
-/// A card. Its lines are a range of the text.
+/// A card. `data` is the range of its lines in the text of the file.
 #[derive(Clone)]
 pub struct DynaCard {
-    /// Keyword in capitals, without the star: `BOUNDARY_SPC_SET`.
+    /// The keyword in capitals, without the star, such as `BOUNDARY_SPC_SET`.
     pub keyword: String,
     pub file: u32,
-    /// Line of the keyword, from 1.
+    /// The line of the keyword, from 1.
     pub line: u32,
     width: FieldWidth,
     text: Arc<Vec<u8>>,
@@ -21,7 +21,7 @@ pub struct DynaCard {
 }
 
 impl DynaCard {
-    /// Lines of data. Blank lines count, because they are cards of zeros.
+    /// The data lines, without comments. Blank lines are included, because a blank line stands for zeros.
     pub fn lines<'a>(&'a self, parameters: &'a Parameters) -> impl Iterator<Item = DynaLine<'a>> + Clone {
         let Self { width, line, .. } = *self;
         let numbered = raw_lines(&self.text[self.data.clone()]).zip(line + 1..);
@@ -29,12 +29,12 @@ impl DynaCard {
         data.map(move |(text, number)| DynaLine { number, text, width, layout: FieldLayout::Common, parameters })
     }
 
-    /// Lines that are not blank.
+    /// The data lines that are not blank.
     pub fn filled<'a>(&'a self, parameters: &'a Parameters) -> impl Iterator<Item = DynaLine<'a>> + Clone {
         self.lines(parameters).filter(|line| !line.is_blank())
     }
 
-    /// The keyword without these options, which may follow in any order; and which of them it has.
+    /// The keyword without these options, which may stand in any order at its end; and for each option, whether the keyword has it.
     pub fn without<const N: usize>(&self, options: [&str; N]) -> (&str, [bool; N]) {
         let (mut name, mut has) = (self.keyword.as_str(), [false; N]);
         while let Some(at) = (0..N).find(|&at| name.ends_with(options[at])) {
@@ -45,7 +45,7 @@ impl DynaCard {
     }
 }
 
-/// Lines of a text, without their ends.
+/// The lines of a text, without their line ends.
 fn raw_lines(text: &[u8]) -> impl Iterator<Item = &[u8]> + Clone {
     let text = text.strip_suffix(b"\n").unwrap_or(text);
     text.split(|&byte| byte == b'\n').map(|line| line.strip_suffix(b"\r").unwrap_or(line))
@@ -56,20 +56,20 @@ fn raw_lines(text: &[u8]) -> impl Iterator<Item = &[u8]> + Clone {
 pub struct DynaCards {
     pub all: Vec<DynaCard>,
     pub parameters: Parameters,
-    /// Folders of `*INCLUDE_PATH`.
+    /// The folders that `*INCLUDE_PATH` names.
     folders: Vec<String>,
 }
 
 impl DynaCards {
-    /// Reads the cards of all files.
+    /// Reads the cards of the main file and of all included files.
     pub fn read(sources: &mut Sources) -> Result<Self, DeckError> {
         let mut cards = Self::default();
         cards.file(sources, (0, 0), FieldWidth::Standard)?;
         Ok(cards)
     }
 
-    /// Reads a file at this depth of includes. `width` is the width of fields unless a keyword line sets another one for its card.
-    /// `*KEYWORD` changes `width` for the rest of the file and for the files that it includes.
+    /// Reads a file, where `depth` counts the nested includes. `width` is the width of fields, unless a keyword line sets another one for
+    /// its card. `*KEYWORD` changes `width` for the rest of the file and for the files that it includes.
     fn file(
         &mut self,
         sources: &mut Sources,
@@ -126,7 +126,8 @@ impl DynaCards {
         Ok(())
     }
 
-    /// `*PARAMETER`: pairs of a name, which starts with the letter of its type, and a value. An expression is a value only if it is a number.
+    /// Reads `*PARAMETER`: pairs of a name and a value; the first letter of a name gives the type. Of `*PARAMETER_EXPRESSION`, only
+    /// expressions that are numbers can be used.
     fn parameters(&mut self, card: &DynaCard, pairs: usize) {
         let none = Parameters::default();
         for line in card.filled(&none) {
@@ -138,14 +139,15 @@ impl DynaCards {
     }
 }
 
-/// Start of the next line that begins with a star, at or after `from`, which must be the start of a line.
+/// Where the next line begins that starts with a star, at or after `from`. `from` must be the start of a line.
 fn next_keyword(text: &[u8], from: usize) -> usize {
     let stars = memchr::memchr_iter(b'*', &text[from..]).map(|k| from + k);
     let is_start = |at: &usize| *at == from || text[at - 1] == b'\n' || (*at == 3 && text.starts_with(b"\xef\xbb\xbf"));
     stars.into_iter().find(is_start).unwrap_or(text.len())
 }
 
-/// The name on a keyword line after its star, and the width of its fields: `NODE +`, `NODE%`, `NODE -`.
+/// The name on a keyword line after its star, and the width of the card's fields. A mark after the name sets this width: `NODE +`, `NODE%`,
+/// `NODE -`.
 fn keyword(text: &[u8], width: FieldWidth) -> (String, FieldWidth) {
     let word = text.split(|byte| byte.is_ascii_whitespace() || *byte == b',').next().unwrap_or_default();
     let rest = text[word.len()..].trim_ascii();
@@ -162,7 +164,7 @@ fn keyword(text: &[u8], width: FieldWidth) -> (String, FieldWidth) {
     (String::from_utf8_lossy(name).to_ascii_uppercase(), width)
 }
 
-/// The width that `*KEYWORD` sets for the deck.
+/// The width of fields that the options of `*KEYWORD` set for the deck; `width` if they set none.
 fn deck_width(words: &[u8], width: FieldWidth) -> FieldWidth {
     let has = |word: &[u8]| memchr::memmem::find(words, word).is_some();
     match width {
@@ -172,7 +174,7 @@ fn deck_width(words: &[u8], width: FieldWidth) -> FieldWidth {
     }
 }
 
-/// The files that `*INCLUDE` names, one a line, with their lines. A name goes on in the next line after ` +`.
+/// The files that `*INCLUDE` names, each with its line. A line holds one name. If it ends with ` +`, the name continues on the next line.
 fn file_names(card: &DynaCard) -> Vec<(String, u32)> {
     let none = Parameters::default();
     let (mut names, mut open) = (Vec::new(), None::<(String, u32)>);

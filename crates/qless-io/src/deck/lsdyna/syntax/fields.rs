@@ -1,4 +1,5 @@
-//! Fields of a line: in columns of fixed width, or between commas; and parameters `&name` in place of numbers.
+//! Reads the fields of a line, which are in columns of fixed width or between commas. Parameters `&name` may stand in place of numbers.
+//! Widths in characters:
 //!
 //! | layout | standard | I10 | long |
 //! | --- | --- | --- | --- |
@@ -13,18 +14,18 @@ use crate::deck::Problem;
 use crate::fault::quote;
 use crate::number::real;
 
-/// Widths of the fields of a card.
+/// How wide the fields of a card are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FieldWidth {
     #[default]
     Standard,
-    /// `I10=Y`, or `%` after the keyword.
+    /// Fields of 10 characters: `I10=Y` on `*KEYWORD`, or `%` after the keyword.
     Ten,
-    /// `LONG=Y`, or `+` after the keyword.
+    /// Fields of 20 characters: `LONG=Y` on `*KEYWORD`, or `+` after the keyword.
     Long,
 }
 
-/// Order of the fields of a line.
+/// How the fields of a line are laid out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FieldLayout {
     Common,
@@ -33,7 +34,7 @@ pub enum FieldLayout {
 }
 
 impl FieldLayout {
-    /// First column of a field and its width.
+    /// The first column of a field, from 0, and the width of the field.
     fn place(self, field: usize, width: FieldWidth) -> (usize, usize) {
         let narrow = if width == FieldWidth::Standard { 8 } else { 10 };
         match (self, width) {
@@ -49,10 +50,10 @@ impl FieldLayout {
     }
 }
 
-/// Texts of `*PARAMETER`, by name in capitals.
+/// The texts of the parameters that `*PARAMETER` defines, by name in capitals.
 pub type Parameters = FxHashMap<Vec<u8>, Vec<u8>>;
 
-/// A fault at a line: its number, the field from 1 if one is at fault, and the problem.
+/// A fault in a line: the number of the line, the field (from 1) if one is at fault, and the problem.
 #[derive(Debug)]
 pub struct KeywordFault {
     pub line: u32,
@@ -60,7 +61,7 @@ pub struct KeywordFault {
     pub problem: Problem,
 }
 
-/// A line of data. Fields count from 0.
+/// A data line. Its fields are counted from 0.
 #[derive(Clone, Copy)]
 pub struct DynaLine<'a> {
     pub number: u32,
@@ -80,7 +81,7 @@ impl<'a> DynaLine<'a> {
         Self { layout, ..self }
     }
 
-    /// Text of a field, trimmed; empty if the line ends before it.
+    /// The text of a field, trimmed. It is empty if the line ends before the field.
     pub fn field(&self, field: usize) -> &'a [u8] {
         if memchr::memchr(b',', self.text).is_some() {
             return self.text.split(|&byte| byte == b',').nth(field).unwrap_or_default().trim_ascii();
@@ -90,12 +91,12 @@ impl<'a> DynaLine<'a> {
         rest[..rest.len().min(width)].trim_ascii()
     }
 
-    /// Number of fields up to the last one that is not empty.
+    /// The number of fields up to the last one that is not empty; at most `most` fields are examined.
     pub fn count(&self, most: usize) -> usize {
         (0..most).rev().find(|&field| !self.field(field).is_empty()).map_or(0, |last| last + 1)
     }
 
-    /// A number; `None` if the field is blank.
+    /// The number in a field; `None` if the field is blank.
     pub fn number(&self, field: usize) -> Result<Option<f64>, KeywordFault> {
         let text = self.field(field);
         let (sign, name) = match text {
@@ -113,14 +114,14 @@ impl<'a> DynaLine<'a> {
     fn parse(&self, field: usize, text: &[u8]) -> Result<Option<f64>, KeywordFault> {
         match real(text) {
             _ if text.is_empty() => Ok(None),
-            // As in the solver, an underflow gives zero.
+            // An underflow gives zero, as in the solver.
             Err(NumberFault::Underflow) => Ok(Some(0.0)),
             Ok(value) => Ok(Some(value)),
             Err(fault) => Err(self.fault_at(field, Problem::Number { found: quote(text), fault })),
         }
     }
 
-    /// A whole number; 0 if the field is blank. Flags may be written as `1.0`.
+    /// The whole number in a field; 0 if the field is blank. `1.0` counts as whole, because flags may be written so.
     pub fn whole(&self, field: usize) -> Result<i64, KeywordFault> {
         let value = self.number(field)?.unwrap_or(0.0);
         if value.fract() == 0.0 && value.abs() <= f64::from(u32::MAX) {
@@ -130,7 +131,7 @@ impl<'a> DynaLine<'a> {
         Err(self.fault_at(field, Problem::Expected { expected: "a whole number of at most 32 bits", found }))
     }
 
-    /// The number of a node, a set and the like; 0 if the field is blank.
+    /// The number of a node, a set and the like in a field; 0 if the field is blank.
     pub fn id(&self, field: usize) -> Result<u32, KeywordFault> {
         let found = || quote(self.field(field));
         let expected = "a number from 0 to 4294967295";
@@ -138,7 +139,7 @@ impl<'a> DynaLine<'a> {
             .map_err(|_| self.fault_at(field, Problem::Expected { expected, found: found() }))
     }
 
-    /// Three coordinates from field `first` on; blank ones are 0.
+    /// Three coordinates, in the fields from `first` on. Blank fields are 0.
     pub fn vector(&self, first: usize) -> Result<[f64; 3], KeywordFault> {
         let mut vector = [0.0; 3];
         for (k, x) in vector.iter_mut().enumerate() {
@@ -147,7 +148,7 @@ impl<'a> DynaLine<'a> {
         Ok(vector)
     }
 
-    /// Numbers of all fields from `first` on that are not blank or zero, at most `most`.
+    /// The numbers in `most` fields from `first` on, without blank fields and zeros.
     pub fn ids(&self, first: usize, most: usize) -> Result<Vec<u32>, KeywordFault> {
         let ids: Result<Vec<u32>, KeywordFault> = (first..first + most).map(|field| self.id(field)).collect();
         Ok(ids?.into_iter().filter(|&id| id != 0).collect())

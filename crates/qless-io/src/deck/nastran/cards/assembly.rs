@@ -11,18 +11,18 @@ use crate::deck::nastran::syntax::lines::DeckLine;
 use crate::deck::{CardFault, Problem, Solver};
 use crate::fault::quote;
 
-/// The card that is being read, and the bulk data read so far.
+/// The card that is being read, and the bulk data that were read before it.
 pub struct CardAssembly {
     pub bulk: BulkData,
     card: BulkCard,
-    /// Kind of the last line.
+    /// The kind of the last line.
     before: LineBefore,
-    /// Continuation mark of the last line, if its card is skipped.
+    /// The continuation mark of the last line, if the card of that line is skipped.
     mark: Vec<u8>,
     continuations: Continuations,
-    /// Rule of the last copies, if the last line made copies.
+    /// The rule of the copies that the last line made; `None` if it made none.
     copies: Option<CopyRule>,
-    /// Copies made so far.
+    /// Number of copies made so far.
     copied: usize,
     solver: Solver,
 }
@@ -41,19 +41,19 @@ impl CardAssembly {
         }
     }
 
-    /// Whether names of continuations matter. OptiStruct ignores them and takes the next line.
+    /// Whether names of continuations matter. They do not in OptiStruct, which always takes the next line.
     fn goes_by_name(&self) -> bool {
         self.solver != Solver::Optistruct
     }
 
-    /// Takes a card that the fast path has read. No continuation and no copy follows it.
+    /// Stores a card that the fast path has read. No continuation line and no copy follows it.
     pub fn quick(&mut self, card: &QuickCard, line: &DeckLine) -> Result<(), NamedRefusal> {
         self.end_card()?;
         self.bulk.quick(card, line);
         Ok(())
     }
 
-    /// Starts a card; `None` for a card that is skipped.
+    /// Starts a card. `name` is `None` for a card that is skipped.
     pub fn begin(&mut self, name: Option<&'static str>, line: &DeckLine) -> Result<(), NamedRefusal> {
         let Some(name) = name else {
             self.skip(line);
@@ -70,7 +70,7 @@ impl CardAssembly {
         self.mark.extend_from_slice(mark(line.text));
     }
 
-    /// Takes a continuation line and finds its card.
+    /// Adds a continuation line to its card, or stores the line until its card is known.
     pub fn go_on(&mut self, line: &DeckLine) -> Result<(), NamedRefusal> {
         let name = if self.goes_by_name() { name_of(line.text) } else { Vec::new() };
         let own = match self.before {
@@ -105,7 +105,7 @@ impl CardAssembly {
         }
     }
 
-    /// Keeps a continuation line that does not continue the line before it.
+    /// Stores a continuation line that does not continue the line before it, as the start of a new piece.
     fn start_piece(
         &mut self,
         before: LineBefore,
@@ -123,12 +123,12 @@ impl CardAssembly {
         Ok(())
     }
 
-    /// Whether the line makes copies that must be handled; copies of skipped cards are skipped too.
+    /// Whether the line makes copies that this reader must handle. Copies of a skipped card are skipped with it.
     pub fn is_copied_by(&self, line: &DeckLine) -> bool {
         is_copy(line.text) && (self.before == LineBefore::Read || self.solver == Solver::Mystran)
     }
 
-    /// Makes the copies of the previous card.
+    /// Makes the copies of the previous card that the line asks for.
     pub fn copy(&mut self, line: &DeckLine) -> Result<(), NamedRefusal> {
         if self.solver == Solver::Mystran {
             self.note_skipped_copy(line);
@@ -158,7 +158,8 @@ impl CardAssembly {
         Ok(())
     }
 
-    /// Notes that MYSTRAN makes no copies: it ignores the line, or mistakes an asterisk in free field for large field and stops.
+    /// Notes that MYSTRAN makes no copies. It ignores the line; but if the line is in free field with an asterisk, it mistakes it for large
+    /// field and stops.
     fn note_skipped_copy(&mut self, line: &DeckLine) {
         if line.text.contains(&b',') && line.text.contains(&b'*') {
             self.bulk.notes.refuse(line.at(), "MYSTRAN stops at this line of copies; write the cards out".into());
@@ -167,7 +168,7 @@ impl CardAssembly {
         }
     }
 
-    /// Ends the card that is being read, if any.
+    /// Ends the card that is being read, if there is one.
     pub fn end_card(&mut self) -> Result<(), NamedRefusal> {
         // If the card was copied, the bulk data already have the card and its copies.
         let is_complete = self.copies.take().is_some();
@@ -190,7 +191,7 @@ impl CardAssembly {
         Ok(())
     }
 
-    /// Hands the card to the bulk data.
+    /// Adds the card that is being read to the bulk data.
     fn hand_over(&mut self) -> Result<(), NamedRefusal> {
         if self.solver == Solver::Mystran && self.card.goes_beyond {
             let at = (self.card.file, self.card.line);
@@ -199,7 +200,7 @@ impl CardAssembly {
         self.bulk.card(&self.card).map_err(|refused| self.failed(refused))
     }
 
-    /// The complete bulk data, including cards with separated lines.
+    /// Returns the complete bulk data, with the cards whose continuation lines stand elsewhere.
     pub fn finish(mut self) -> Result<BulkData, NamedRefusal> {
         self.end_card()?;
         let cards = std::mem::take(&mut self.continuations).finish(self.solver)?;
@@ -215,7 +216,7 @@ impl CardAssembly {
     }
 }
 
-/// The error that something else was expected in place of the line.
+/// The error that something other than this line was expected.
 fn expected(line: &DeckLine, card: &str, expected: &'static str) -> NamedRefusal {
     let problem = Problem::Expected { expected, found: quote(line.text.trim_ascii()) };
     NamedRefusal { card: card.into(), refused: CardRefusal::of_line(line.at(), problem) }

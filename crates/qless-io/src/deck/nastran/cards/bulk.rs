@@ -1,4 +1,4 @@
-//! The content of bulk data: collects the cards that matter for constraints, in the order of the deck.
+//! The content of bulk data. Collects the cards that matter for constraints, in the order of the deck.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::LazyLock;
@@ -29,33 +29,33 @@ pub struct BulkData {
     pub is_mystran: bool,
     pub grids: Grids,
     pub scalars: Vec<PointSpan>,
-    /// The `GRDSET` card.
+    /// The content and the place of the `GRDSET` card, if there is one.
     pub grid_defaults: Option<(GridDefaults, CardLocation)>,
     pub frames: FrameDefinitions,
-    /// Places of the cards of `frames`.
+    /// The place of the card that defines each of the `frames`.
     pub frame_places: BTreeMap<u32, CardLocation>,
     pub ties: Ties,
-    /// First lines of cards that must not be removed or replaced, because they have thermal expansion, have copies or are copies.
+    /// First lines of cards that must not be removed or replaced: cards with thermal expansion, cards that have copies, and copies.
     pub fixed: BTreeSet<FileLine>,
-    /// Separated continuation lines of cards, by the first line of the card.
+    /// Continuation lines that other cards separate from their card, by the first line of the card.
     pub apart: BTreeMap<FileLine, Vec<FileLine>>,
-    /// First lines of elements, by element number.
+    /// The first line of each element's card, by element number.
     elements: FxHashMap<u32, FileLine>,
-    /// Components in mutually exclusive sets.
+    /// The components in sets that exclude each other, such as `ASET` and `OMIT`.
     pub exclusive: Vec<ExclusiveMembers>,
     pub supports: Vec<(u32, PointSupport, CardLocation)>,
-    /// `SPCD` cards, with their load set.
+    /// The `SPCD` cards, each with its load set.
     pub enforced: Vec<(u32, PointSupport, CardLocation)>,
     pub mpc_unions: SetUnions,
     pub spc_unions: SetUnions,
     pub combinations: LoadCombinations,
     pub loads: Vec<LoadedComponents>,
     pub notes: CardNotes,
-    /// Names of unknown cards.
+    /// The unknown card names that occurred.
     pub unknown: UnknownNames,
 }
 
-/// The name if cards of this name (in capitals) must be read; `None` for cards that are skipped.
+/// Returns the name if cards with it must be read. `name` is in capitals. `None` for cards that are skipped.
 pub fn known(name: &[u8]) -> Option<&'static str> {
     const READ: [&str; 30] = [
         "GRID", "GRDSET", "SPOINT", "EPOINT", "CORD1R", "CORD1C", "CORD1S", "CORD2R", "CORD2C", "CORD2S", "MPC",
@@ -74,7 +74,7 @@ impl BulkData {
         Self { is_mystran: solver == Solver::Mystran, ..Self::default() }
     }
 
-    /// Takes a card that the fast path has read.
+    /// Stores a card that the fast path has read.
     pub fn quick(&mut self, card: &QuickCard, line: &DeckLine) {
         match card {
             QuickCard::Grid(grid) => self.grids.push(grid, line.file, line.number),
@@ -84,7 +84,7 @@ impl BulkData {
         }
     }
 
-    /// Takes a card.
+    /// Reads a card and stores its content.
     pub fn card(&mut self, card: &BulkCard) -> Result<(), CardRefusal> {
         if self.is_mystran {
             if mystran::ignores(card.name) {
@@ -127,12 +127,12 @@ impl BulkData {
         Ok(())
     }
 
-    /// The set of an `MPC` card; MYSTRAN accepts set 0.
+    /// The number of the set of an `MPC` card. Only MYSTRAN accepts set 0.
     fn mpc_set(&self, card: &BulkCard) -> Result<u32, CardRefusal> {
         if self.is_mystran { card.optional_whole(0, SET).map(Option::unwrap_or_default) } else { set(card) }
     }
 
-    /// Notes a card that is not understood. `SUPORT` puts its components into a set nevertheless.
+    /// Notes that a card is not understood. Components of `SUPORT` still count as members of their exclusive set.
     fn leave_out(&mut self, card: &BulkCard, unread: UnreadCard) -> Result<(), CardRefusal> {
         self.exclusive.extend(exclusive::read(card)?.unwrap_or_default());
         if unread.constrains() {
@@ -174,7 +174,7 @@ impl BulkData {
         Ok(())
     }
 
-    /// Checks that no other element has the card's number.
+    /// Checks that no other element has the number of this card.
     fn number(&mut self, card: &BulkCard) -> Result<(), CardRefusal> {
         if self.is_mystran && mystran::has_no_number(card) {
             return Ok(());

@@ -1,8 +1,8 @@
-//! Cards of rigid and interpolation elements: `RBE1`, `RBE2`, `RBE3`, `RBAR`, `RROD`, `RBAR1`, `RJOINT`, `RTRPLT`, `RTRPLT1`, and
+//! Reads the cards of rigid and interpolation elements: `RBE1`, `RBE2`, `RBE3`, `RBAR`, `RROD`, `RBAR1`, `RJOINT`, `RTRPLT`, `RTRPLT1`, and
 //! OptiStruct's `JOINTG`.
 //!
-//! Each function reads the fields of one kind of card and returns the element and its coefficient of thermal expansion;
-//! `model` turns the elements into equations.
+//! Each function reads the fields of one kind of card. It returns the element and its coefficient of thermal expansion. `model` turns the
+//! elements into equations.
 
 use super::points::{PointSpan, spans, spans_in};
 use crate::deck::Dof;
@@ -23,13 +23,13 @@ pub enum NastranElement {
     Rigid(RigidElement),
     Rod(RigidRod),
     Mean(MeanElement<PointSpan>),
-    /// An `RBE3` of MYSTRAN: a weighted mean that uses only motions in the given components of the reference.
+    /// An `RBE3` of MYSTRAN: a weighted mean over motions in the given components of the reference only.
     PartialMean(MeanElement<PointSpan>),
     /// A rigid coupling of points that must coincide.
     Joint(RigidElement),
 }
 
-/// `RBE2`: `components` of all dependent points follow the centre.
+/// An `RBE2`: the `components` of all dependent points follow the centre.
 #[derive(Clone, Debug)]
 pub struct RigidStar {
     pub centre: u32,
@@ -37,7 +37,7 @@ pub struct RigidStar {
     pub dependent: Vec<PointSpan>,
 }
 
-/// `RBE2 id, GN, CM, GM1, GM2, ..., ALPHA`. MYSTRAN ignores GN among the dependent points.
+/// Reads `RBE2 id, GN, CM, GM1, GM2, ..., ALPHA`. If the centre GN is also among the dependent points, MYSTRAN ignores it there.
 pub fn rbe2(card: &BulkCard, is_mystran: bool) -> Result<Expanding, CardRefusal> {
     let end = (3..card.len()).find(|&i| is_real(card, i)).unwrap_or(card.len());
     let centre = card.id(1, POINT)?;
@@ -47,7 +47,7 @@ pub fn rbe2(card: &BulkCard, is_mystran: bool) -> Result<Expanding, CardRefusal>
     Ok((NastranElement::Star(star), alpha(card, end)?))
 }
 
-/// `RBAR id, GA, GB, CNA, CNB, CMA, CMB, ALPHA`; without CMA and CMB all other components are dependent.
+/// Reads `RBAR id, GA, GB, CNA, CNB, CMA, CMB, ALPHA`. If CMA and CMB are blank, all components that are not independent are dependent.
 pub fn rbar(card: &BulkCard) -> Result<Expanding, CardRefusal> {
     let (a, b) = (card.id(1, POINT)?, card.id(2, POINT)?);
     let [cna, cnb, cma, cmb] = [card.components(3)?, card.components(4)?, card.components(5)?, card.components(6)?];
@@ -61,7 +61,7 @@ pub fn rbar(card: &BulkCard) -> Result<Expanding, CardRefusal> {
     Ok((element, alpha(card, 7)?))
 }
 
-/// `RBE1 id, GN1, CN1, ..., UM, GM1, CM1, ..., ALPHA`; three pairs a line.
+/// Reads `RBE1 id, GN1, CN1, ..., UM, GM1, CM1, ..., ALPHA`, with three pairs of point and components on a line.
 pub fn rbe1(card: &BulkCard) -> Result<Expanding, CardRefusal> {
     let mut fields = filled(card, 1);
     let um = fields.iter().position(|&i| is_word(card, i, b"UM")).unwrap_or(fields.len());
@@ -73,7 +73,7 @@ pub fn rbe1(card: &BulkCard) -> Result<Expanding, CardRefusal> {
     Ok((element, end.map_or(Ok(0.0), |i| alpha(card, i))?))
 }
 
-/// `RROD id, GA, GB, CMA, CMB, ALPHA`.
+/// Reads `RROD id, GA, GB, CMA, CMB, ALPHA`.
 pub fn rrod(card: &BulkCard) -> Result<Expanding, CardRefusal> {
     let ends = [card.id(1, POINT)?, card.id(2, POINT)?];
     let (at, node) = if card.is_blank(3) || card.field(3) == b"0" { (4, ends[1]) } else { (3, ends[0]) };
@@ -87,10 +87,9 @@ pub fn rrod(card: &BulkCard) -> Result<Expanding, CardRefusal> {
     Ok((NastranElement::Rod(rod), alpha(card, 5)?))
 }
 
-/// `RBE3 id, , REFGRID, REFC, WT1, C1, G1, G2, ..., WT2, C2, ..., UM, GM1, CM1, ..., ALPHA, a`.
+/// Reads `RBE3 id, , REFGRID, REFC, WT1, C1, G1, G2, ..., WT2, C2, ..., UM, GM1, CM1, ..., ALPHA, a`.
 ///
-/// MYSTRAN uses only translations of the connected points. Without a `UM` list, MYSTRAN fits only motions in the components REFC to
-/// them.
+/// MYSTRAN uses only translations of the connected points. Without a `UM` list, it takes the mean over motions in the components REFC only.
 pub fn rbe3(card: &BulkCard, is_mystran: bool) -> Result<Expanding, CardRefusal> {
     let (reference, components) = (card.id(2, POINT)?, card.some_components(3)?);
     let fields = filled(card, 4);
@@ -108,7 +107,7 @@ pub fn rbe3(card: &BulkCard, is_mystran: bool) -> Result<Expanding, CardRefusal>
     Ok((if is_partial { NastranElement::PartialMean(element) } else { NastranElement::Mean(element) }, alpha))
 }
 
-/// Weight, components and grid points; a real number starts the next group.
+/// Reads the groups of `RBE3`: weight, components and grid points. A real number is the weight of the next group.
 fn groups(card: &BulkCard, fields: &[usize]) -> Result<Vec<WeightedNodes<PointSpan>>, CardRefusal> {
     let mut groups: Vec<WeightedNodes<PointSpan>> = Vec::new();
     let mut rest = fields;
@@ -127,7 +126,7 @@ fn groups(card: &BulkCard, fields: &[usize]) -> Result<Vec<WeightedNodes<PointSp
     Ok(groups)
 }
 
-/// Pairs of grid point and components up to the first real number, and the field of that number, if any.
+/// Reads pairs of grid point and components up to the first real number. Also returns the index of that number's field, if there is one.
 fn pairs(card: &BulkCard, fields: &[usize]) -> Result<(NodeComponents, Option<usize>), CardRefusal> {
     let end = fields.iter().copied().find(|&i| is_real(card, i));
     let mut found = NodeComponents::new();
@@ -138,7 +137,7 @@ fn pairs(card: &BulkCard, fields: &[usize]) -> Result<(NodeComponents, Option<us
     Ok((found, end))
 }
 
-/// Fields from `from` on that are not blank.
+/// Indices of the fields from `from` on that are not blank.
 pub fn filled(card: &BulkCard, from: usize) -> Vec<usize> {
     (from..card.len()).filter(|&i| !card.is_blank(i)).collect()
 }
@@ -147,7 +146,7 @@ pub fn is_word(card: &BulkCard, i: usize, word: &[u8]) -> bool {
     card.field(i).eq_ignore_ascii_case(word)
 }
 
-/// A real number has a decimal point or an exponent.
+/// Whether field `i` holds a real number, that is, a number with a decimal point or an exponent.
 pub fn is_real(card: &BulkCard, i: usize) -> bool {
     let word = card.field(i);
     let marks = |(k, byte): (usize, &u8)| b".eEdD".contains(byte) || k > 0 && b"+-".contains(byte);
@@ -158,18 +157,19 @@ fn alpha(card: &BulkCard, i: usize) -> Result<f64, CardRefusal> {
     Ok(card.real(i)?.unwrap_or(0.0))
 }
 
-/// `RBAR1 id, GA, GB, CB, ALPHA`: components CB of one end follow the other.
+/// Reads `RBAR1 id, GA, GB, CB, ALPHA`: the components CB of GB follow GA.
 pub fn rbar1(card: &BulkCard) -> Result<Expanding, CardRefusal> {
     let element = follow(card, [1, 2], all_or(card, 3)?)?;
     Ok((NastranElement::Rigid(element), alpha(card, 4)?))
 }
 
-/// `RJOINT id, GA, GB, CB`: components CB of GB follow GA, and the two points must coincide.
+/// Reads `RJOINT id, GA, GB, CB`: the components CB of GB follow GA. The two points must coincide.
 pub fn rjoint(card: &BulkCard) -> Result<Expanding, CardRefusal> {
     follow(card, [1, 2], all_or(card, 3)?).map(|element| (NastranElement::Joint(element), 0.0))
 }
 
-/// `RTRPLT id, GA, GB, GC, CNA, CNB, CNC, , CMA, CMB, CMC, ALPHA`; without CM all other components are dependent.
+/// Reads `RTRPLT id, GA, GB, GC, CNA, CNB, CNC, , CMA, CMB, CMC, ALPHA`. If CMA, CMB and CMC are blank, all components that are not
+/// independent are dependent.
 pub fn rtrplt(card: &BulkCard) -> Result<Expanding, CardRefusal> {
     let points = [card.id(1, POINT)?, card.id(2, POINT)?, card.id(3, POINT)?];
     let sets = |from: usize| Ok([card.components(from)?, card.components(from + 1)?, card.components(from + 2)?]);
@@ -179,23 +179,22 @@ pub fn rtrplt(card: &BulkCard) -> Result<Expanding, CardRefusal> {
     Ok((rigid(points, independent, dependent), alpha(card, 11)?))
 }
 
-/// A rigid element with independent and dependent components at each of these points.
+/// A rigid element with these independent and dependent components at each of the points.
 fn rigid<const N: usize>(points: [u32; N], independent: [Components; N], dependent: [Components; N]) -> NastranElement {
     let filled = |sets: [Components; N]| points.into_iter().zip(sets).filter(|(_, set)| !set.is_empty()).collect();
     NastranElement::Rigid(RigidElement { independent: filled(independent), dependent: filled(dependent) })
 }
 
-/// `RTRPLT1 id, GA, GB, GC, CB, CC, ALPHA`: components CB of GB and CC of GC follow GA.
+/// Reads `RTRPLT1 id, GA, GB, GC, CB, CC, ALPHA`: the components CB of GB and CC of GC follow GA.
 pub fn rtrplt1(card: &BulkCard) -> Result<Expanding, CardRefusal> {
     let mut element = follow(card, [1, 2], all_or(card, 4)?)?;
     element.dependent.push((card.id(3, POINT)?, all_or(card, 5)?));
     Ok((NastranElement::Rigid(element), alpha(card, 6)?))
 }
 
-/// `JOINTG id, property, type, G1, CID1, G2, CID2`; `None` for a type that this reader does not support.
+/// Reads `JOINTG id, property, type, G1, CID1, G2, CID2`. Returns `None` for a type that this reader does not support.
 ///
-/// `RBEAM` couples the second point rigidly to the first. `BALL` couples its translations only, and the points must
-/// coincide.
+/// The type `RBEAM` couples the second point rigidly to the first. The type `BALL` couples only translations, and the points must coincide.
 pub fn jointg(card: &BulkCard) -> Result<Option<Expanding>, CardRefusal> {
     Ok(match card.field(2).to_ascii_uppercase().as_slice() {
         b"RBEAM" => Some((NastranElement::Rigid(follow(card, [3, 5], Components::ALL)?), 0.0)),
@@ -204,7 +203,7 @@ pub fn jointg(card: &BulkCard) -> Result<Option<Expanding>, CardRefusal> {
     })
 }
 
-/// The rigid element by which components of the second point follow the first.
+/// The rigid element by which the components `set` of the second point follow the first point.
 fn follow(card: &BulkCard, [first, second]: [usize; 2], set: Components) -> Result<RigidElement, CardRefusal> {
     Ok(RigidElement::about(card.id(first, POINT)?, [card.id(second, POINT)?], set))
 }

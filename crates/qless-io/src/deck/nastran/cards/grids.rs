@@ -1,4 +1,4 @@
-//! A compact table of grid points by number: data that many points share is stored once.
+//! A compact table of grid points by number. Data that many points share is stored once.
 
 use std::cmp::Ordering;
 
@@ -13,15 +13,15 @@ use crate::deck::paged_list::PagedList;
 /// A grid point.
 #[derive(Clone, Copy, Debug)]
 pub struct GridPoint {
-    /// Coordinates in the system CP.
+    /// Coordinates in the coordinate system CP of the card.
     pub at: Vector,
     pub id: u32,
     line: u32,
-    /// Index of its data in `Grids::shared`.
+    /// Index in `Grids::shared` of the data that this point shares with others.
     shared: u32,
 }
 
-/// Data of a `GRID` card that other points are likely to share: its file, and all fields except the coordinates.
+/// What many `GRID` cards have in common: the file, and all fields except the number and the coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 struct SharedGridData {
     file: u32,
@@ -34,21 +34,21 @@ pub struct Grids {
     all: PagedList<GridPoint>,
     shared: Vec<SharedGridData>,
     by_shared: FxHashMap<SharedGridData, u32>,
-    /// Shared data of the point added last, and its index.
+    /// The shared data of the last point that was added, and their index.
     recent: Option<(SharedGridData, u32)>,
-    /// Pairs of equal cards for one point, in the order of the deck.
+    /// Pairs of cards that define the same point equally, ascending by the number of the point.
     pub repeated: Vec<[CardLocation; 2]>,
 }
 
 impl Grids {
-    /// Adds the point of a card in this file and line.
+    /// Adds the point of a card; `file` and `line` are those of the card.
     pub fn push(&mut self, card: &GridCard, file: u32, line: u32) {
         let shared = self.share(SharedGridData { file, fields: card.fields });
         self.all.push(GridPoint { at: card.at, id: card.id, line, shared });
     }
 
     fn share(&mut self, shared: SharedGridData) -> u32 {
-        // The previous point usually has the same data.
+        // The previous point usually has the same data, so its index is tried first.
         if let Some((recent, index)) = self.recent
             && recent == shared
         {
@@ -84,18 +84,18 @@ impl Grids {
         a.at == b.at && self.fields(a) == self.fields(b)
     }
 
-    /// Place of the card of a point.
+    /// The place of the card that defines a point.
     pub fn place(&self, grid: &GridPoint) -> CardLocation {
         let file = self.shared[grid.shared as usize].file;
         CardLocation { name: CardName::numbered("GRID", grid.id), file, line: grid.line, lines: 1 }
     }
 
-    /// The fields of the card other than the coordinates.
+    /// The fields of the point's card except the number and the coordinates.
     pub fn fields(&self, grid: &GridPoint) -> GridDefaults {
         self.shared[grid.shared as usize].fields
     }
 
-    /// Whether any point has fields that satisfy the predicate.
+    /// Whether the fields of some point satisfy `is_such`.
     pub fn any(&self, is_such: impl Fn(GridDefaults) -> bool) -> bool {
         self.shared.iter().any(|shared| is_such(shared.fields))
     }
@@ -104,17 +104,18 @@ impl Grids {
         self.all.iter()
     }
 
-    /// The points with at least this number.
+    /// The points whose number is at least `id`.
     pub fn from(&self, id: u32) -> impl Iterator<Item = &GridPoint> {
         self.all.iter_from(self.all.partition_point(|grid| grid.id < id))
     }
 
-    /// The point with this number; the points must be sorted. If no numbers are missing, the first guess is right.
+    /// The point with this number; the points must be sorted. If no numbers are missing, the first place searched is the right one.
     pub fn get(&self, id: u32) -> Option<&GridPoint> {
         let first = self.all.iter().next()?.id;
         let mut end = self.all.len().min(id.checked_sub(first)? as usize + 1);
         let (mut beyond, mut step) = (end, 1);
-        // If no numbers were missing, the index would be id - first. Missing ones lower it: search backwards, with steps that double.
+        // Without missing numbers, the index would be `id - first`. Missing numbers lower it, so the search goes backwards, with steps that
+        // double.
         loop {
             let grid = &self.all[end - 1];
             match grid.id.cmp(&id) {

@@ -5,7 +5,7 @@ use super::unread::CardNotes;
 use crate::deck::nastran::syntax::card::{BulkCard, PER_LINE};
 use crate::number::whole;
 
-/// Whether MYSTRAN ignores cards of this name, which constrain in Nastran.
+/// Whether MYSTRAN ignores cards of this name, although they constrain in Nastran.
 pub fn ignores(name: &str) -> bool {
     matches!(name, "RROD" | "RJOINT" | "RTRPLT" | "RTRPLT1")
 }
@@ -42,7 +42,7 @@ fn refusal(card: &BulkCard) -> Option<&'static str> {
     }
 }
 
-/// Whether one of these fields in any line of the card is filled without a decimal point.
+/// Whether one of these fields, on any line of the card, holds a text without a decimal point.
 fn has_whole(card: &BulkCard, fields: [usize; 2]) -> bool {
     let all = (0..card.len()).step_by(PER_LINE).flat_map(|line| fields.map(|field| line + field));
     all.into_iter().any(|i| !card.is_blank(i) && !card.field(i).contains(&b'.'))

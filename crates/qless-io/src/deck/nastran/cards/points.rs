@@ -1,4 +1,4 @@
-//! Cards of points: `GRID`, `GRDSET`, coordinate systems, and lists of points such as `3 5 10 THRU 20`.
+//! Reads the cards of points: `GRID`, `GRDSET`, coordinate systems, and lists of points such as `3 5 10 THRU 20`.
 //!
 //! `GRID id, CP, X1, X2, X3, CD, PS` defines a grid point; `GRDSET` gives defaults for its blank fields. `CORD1R`, `CORD1C` and
 //! `CORD1S` define up to two coordinate systems by grid points; `CORD2R`, `CORD2C` and `CORD2S` define one by coordinates.
@@ -11,12 +11,12 @@ use crate::deck::kinematics::components::Components;
 use crate::deck::kinematics::vector::Vector;
 use crate::deck::nastran::syntax::card::{BulkCard, CardRefusal};
 
-/// The problem of a coordinate system without a definition.
+/// The problem that a coordinate system is not defined.
 pub fn unknown_frame(frame: u32) -> Problem {
     Problem::Undefined { what: "coordinate system", name: frame.to_string() }
 }
 
-/// The problem of a grid point without a definition.
+/// The problem that a grid point is not defined.
 pub fn unknown_grid(node: u32) -> Problem {
     Problem::Undefined { what: "grid point", name: node.to_string() }
 }
@@ -24,12 +24,13 @@ pub fn unknown_grid(node: u32) -> Problem {
 /// Number of the basic coordinate system.
 pub const BASIC: u32 = 0;
 
-/// Three points that define a frame: its origin, a point on its third axis, and a point in the plane of first and third axis.
+/// The three points that define a coordinate frame: its origin, a point on its third axis, and a point in the plane of its first and third
+/// axes.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FrameDefinition {
-    /// `CORD2x`: coordinates in frame `reference`.
+    /// The coordinates of the points in the frame `reference`, from `CORD2R`, `CORD2C` or `CORD2S`.
     Points { kind: FrameKind, reference: u32, points: [Vector; 3] },
-    /// `CORD1x`: grid points.
+    /// Three grid points, from `CORD1R`, `CORD1C` or `CORD1S`.
     Grids { kind: FrameKind, grids: [u32; 3] },
 }
 
@@ -40,7 +41,7 @@ pub type FrameDefinitions = BTreeMap<u32, FrameDefinition>;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GridCard {
     pub id: u32,
-    /// Coordinates in the system CP.
+    /// The coordinates of the point in its coordinate system CP.
     pub at: Vector,
     pub fields: GridDefaults,
 }
@@ -48,11 +49,11 @@ pub struct GridCard {
 /// The fields of `GRID` that `GRDSET` can fill in; `None` for a blank field.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct GridDefaults {
-    /// CP: the frame of the coordinates.
+    /// CP, the number of the frame of the coordinates.
     pub position_frame: Option<u32>,
-    /// CD: the frame of the displacements.
+    /// CD, the number of the frame of the displacements.
     pub displacement_frame: Option<u32>,
-    /// PS: components prescribed to 0 in every subcase.
+    /// PS, the components that are prescribed to 0 in every subcase.
     pub prescribed: Option<Components>,
 }
 
@@ -83,14 +84,14 @@ impl GridDefaults {
     }
 }
 
-/// The number of a coordinate system; -1, which makes a fluid point, counts as the basic one.
+/// The number of a coordinate system in field `i`. -1, which makes a fluid point, counts as the basic system.
 fn frame(card: &BulkCard, i: usize) -> Result<Option<u32>, CardRefusal> {
     if card.field(i) == b"-1" { Ok(Some(BASIC)) } else { card.optional_whole(i, "a coordinate system") }
 }
 
 const ID: &str = "the number of the coordinate system";
 
-/// `CORD1x id, G1, G2, G3`, once or twice.
+/// Reads `CORD1x id, G1, G2, G3`, which may occur twice on a card.
 pub fn through_grids(card: &BulkCard, kind: FrameKind) -> Result<Vec<(u32, FrameDefinition)>, CardRefusal> {
     let mut found = Vec::new();
     for start in [0, 4] {
@@ -106,7 +107,7 @@ pub fn through_grids(card: &BulkCard, kind: FrameKind) -> Result<Vec<(u32, Frame
     Ok(found)
 }
 
-/// `CORD2x id, reference, A1, A2, A3, B1, B2, B3, C1, C2, C3`.
+/// Reads `CORD2x id, reference, A1, A2, A3, B1, B2, B3, C1, C2, C3`.
 pub fn through_points(card: &BulkCard, kind: FrameKind) -> Result<(u32, FrameDefinition), CardRefusal> {
     let reference = card.optional_whole(1, "a coordinate system")?.unwrap_or(BASIC);
     let mut points = [[0.0; 3]; 3];
@@ -116,20 +117,20 @@ pub fn through_points(card: &BulkCard, kind: FrameKind) -> Result<(u32, FrameDef
     Ok((card.id(0, ID)?, FrameDefinition::Points { kind, reference, points }))
 }
 
-/// Point numbers from `first` to `last`. A card that refers to a range skips numbers in it without a point.
+/// The point numbers from `first` to `last`. Numbers without a point are skipped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PointSpan {
     pub first: u32,
     pub last: u32,
 }
 
-/// The list of points in fields `from..to`; blank fields are skipped.
+/// Reads the list of points in the fields `from..to`; blank fields are skipped.
 pub fn spans(card: &BulkCard, from: usize, to: usize) -> Result<Vec<PointSpan>, CardRefusal> {
     let filled: Vec<usize> = (from..to).filter(|&i| !card.is_blank(i)).collect();
     spans_in(card, &filled)
 }
 
-/// The list of points in these fields, none of which is blank.
+/// Reads the list of points in these fields, none of which is blank.
 pub fn spans_in(card: &BulkCard, fields: &[usize]) -> Result<Vec<PointSpan>, CardRefusal> {
     const POINT: &str = "a grid or scalar point";
     let mut fields = fields.iter().copied().peekable();

@@ -1,7 +1,6 @@
-//! The fast path for the most frequent cards: `GRID` and `MPC` in small field, on one line, with plain numbers.
+//! Reads the most frequent cards by a fast path: `GRID` and `MPC` in small field, on one line, with plain numbers.
 //!
-//! The result equals that of the general path through `BulkCard`. Every other line is left to the general path, which also reports
-//! errors.
+//! The result equals that of the general path through `BulkCard`. All other lines are left to the general path, which also reports errors.
 
 use super::points::{GridCard, GridDefaults};
 use super::sets::MpcTerm;
@@ -9,18 +8,18 @@ use crate::deck::kinematics::components::Components;
 use crate::deck::nastran::syntax::number::{BLANK, SmallField, small_real, small_whole};
 use crate::number;
 
-/// Columns of a field.
+/// Number of columns of a field.
 const FIELD: usize = 8;
 
 /// A card read by the fast path.
 pub enum QuickCard {
     Grid(GridCard),
-    /// Set number, and one or two terms.
+    /// An `MPC` card: the number of its set, and one or two terms.
     Mpc(u32, MpcTerm, Option<MpcTerm>),
 }
 
-/// Reads a line that no other line continues. `None` leaves the line to the general path, for instance if a relevant field holds a
-/// comment or a tab.
+/// Reads a card of one line, which no other line may continue. Returns `None` if the general path must read it, for instance if a relevant
+/// field holds a comment or a tab.
 pub fn read(line: &[u8]) -> Option<QuickCard> {
     let is_grid = match line.first_chunk()? {
         b"GRID    " => true,
@@ -33,7 +32,7 @@ pub fn read(line: &[u8]) -> Option<QuickCard> {
     if !rest.is_empty() {
         fields.get_mut(whole.len())?[..rest.len()].copy_from_slice(rest);
     }
-    // A comma in the first data field means free field.
+    // A comma in the first data field means that the line is in free field.
     if fields[0].contains(&b',') {
         return None;
     }
@@ -64,7 +63,7 @@ fn id_of(field: SmallField) -> Option<u32> {
     optional(field).ok()?.filter(|&id| id > 0)
 }
 
-/// A whole number, which fits 32 bits in eight columns; `None` for a blank field, and an error for any other text.
+/// Reads a whole number; one of eight digits fits into 32 bits. Returns `None` for a blank field, and an error for any other text.
 fn optional(field: SmallField) -> Result<Option<u32>, ()> {
     if field == BLANK {
         return Ok(None);
@@ -72,12 +71,12 @@ fn optional(field: SmallField) -> Result<Option<u32>, ()> {
     small_whole(field).map(Some).ok_or(())
 }
 
-/// A real number; 0 for a blank field.
+/// Reads a real number; a blank field is 0.
 fn real(field: SmallField) -> Option<f64> {
     if field == BLANK { Some(0.0) } else { small_real(field).or_else(|| number::short(word(&field))) }
 }
 
-/// The field without surrounding blanks.
+/// The text of the field without surrounding blanks.
 fn word(field: &SmallField) -> &[u8] {
     let filled = u64::from_le_bytes(*field) ^ u64::from_le_bytes(BLANK);
     let (start, end) = (filled.trailing_zeros() / 8, FIELD as u32 - filled.leading_zeros() / 8);
@@ -90,7 +89,7 @@ mod tests {
     use crate::deck::nastran::cards::sets::terms;
     use crate::deck::nastran::syntax::card::BulkCard;
 
-    /// The card as the general path reads it.
+    /// Reads the card as the general path does.
     fn card(line: &str) -> BulkCard {
         let mut card = BulkCard::default();
         let name = if line.starts_with("GRID") { "GRID" } else { "MPC" };

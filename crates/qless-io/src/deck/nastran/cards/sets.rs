@@ -1,7 +1,8 @@
-//! Cards in sets: `MPC` equations, prescribed values, and unions of sets.
+//! Reads cards that belong to numbered sets: `MPC` equations, prescribed values, and unions of sets.
 //!
-//! `MPC set, G1, C1, A1, G2, C2, A2, ...` is the equation `sum A_i u_i = 0`, two terms to a line, with the first component dependent.
-//! `SPC`, `SPC1` and `SPCD` prescribe components of points. `MPCADD` and `SPCADD` define a set as the union of other sets.
+//! `MPC set, G1, C1, A1, G2, C2, A2, ...` is the equation `sum A_i u_i = 0`, where u_i is component Ci of point Gi. A line holds two terms,
+//! and the first component is dependent. `SPC`, `SPC1` and `SPCD` prescribe components of points. `MPCADD` and `SPCADD` define a set as the
+//! union of other sets.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -10,15 +11,15 @@ use crate::deck::kinematics::components::Components;
 use crate::deck::nastran::syntax::card::{BulkCard, CardLocation, CardRefusal, PER_LINE};
 use crate::deck::{CardFault, Problem};
 
-/// The problem of a set or coordinate system that depends on itself.
+/// The problem that a set or a coordinate system depends on itself.
 pub fn circle(what: &'static str, id: u32) -> Problem {
     Problem::Circular { what, name: id.to_string() }
 }
 
-/// A term: point, component (empty for a scalar point), coefficient.
+/// A term of an `MPC` equation: the point, the component (empty for a scalar point), and the coefficient.
 pub type MpcTerm = (u32, Components, f64);
 
-/// The terms of the equation in the order of the card, including those with coefficient 0.
+/// Reads the terms of an `MPC` card in its order, including those with coefficient 0.
 pub fn terms(card: &BulkCard) -> Result<Vec<MpcTerm>, CardRefusal> {
     let mut terms = Vec::new();
     for line in (0..card.len()).step_by(PER_LINE) {
@@ -44,7 +45,7 @@ fn term(card: &BulkCard, at: usize) -> Result<MpcTerm, CardRefusal> {
     Ok((node, component, card.real(at + 2)?.unwrap_or(0.0)))
 }
 
-/// Points, their prescribed components, and the value.
+/// Points, the components that are prescribed there, and their value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointSupport {
     pub points: Vec<PointSpan>,
@@ -52,7 +53,7 @@ pub struct PointSupport {
     pub value: f64,
 }
 
-/// `SPC set, G1, C1, D1, G2, C2, D2`; `SPCD` has the same fields.
+/// Reads `SPC set, G1, C1, D1, G2, C2, D2`, or `SPCD` with the same fields.
 pub fn spc(card: &BulkCard) -> Result<Vec<PointSupport>, CardRefusal> {
     let mut supports = Vec::new();
     for at in [1, 4] {
@@ -66,7 +67,7 @@ pub fn spc(card: &BulkCard) -> Result<Vec<PointSupport>, CardRefusal> {
     Ok(supports)
 }
 
-/// `SPC1 set, C, G1, G2, ...` or `SPC1 set, C, G1, THRU, G2`. MYSTRAN ignores fields after such a range.
+/// Reads `SPC1 set, C, G1, G2, ...` or `SPC1 set, C, G1, THRU, G2`. MYSTRAN ignores fields after such a range.
 pub fn spc1(card: &BulkCard, is_mystran: bool) -> Result<PointSupport, CardRefusal> {
     let is_range = card.field(3).eq_ignore_ascii_case(b"THRU");
     let end = if is_mystran && is_range { 5 } else { card.len() };
@@ -77,10 +78,10 @@ pub fn spc1(card: &BulkCard, is_mystran: bool) -> Result<PointSupport, CardRefus
     Ok(PointSupport { points, components: card.components(1)?, value: 0.0 })
 }
 
-/// The unions of a deck by their set number: the united sets, and the card.
+/// For each number of a union: the sets that it unites, and the card. Several cards may have the same number.
 pub type SetUnions = BTreeMap<u32, Vec<(Vec<u32>, CardLocation)>>;
 
-/// `MPCADD set, S1, S2, ...`, or `SPCADD`.
+/// Reads `MPCADD set, S1, S2, ...`, or `SPCADD` with the same fields.
 pub fn read_union(card: &BulkCard, unions: &mut SetUnions) -> Result<(), CardRefusal> {
     const SET: &str = "the number of a set";
     let members = (1..card.len()).filter(|&i| !card.is_blank(i)).map(|i| card.id(i, SET)).collect::<Result<_, _>>()?;
@@ -88,13 +89,13 @@ pub fn read_union(card: &BulkCard, unions: &mut SetUnions) -> Result<(), CardRef
     Ok(())
 }
 
-/// The elementary sets in `set`, with unions resolved recursively. A union hides an elementary set of the same number. The error
-/// holds the card of a union that contains itself.
+/// The elementary sets of which `set` consists; unions in it are resolved recursively. If a union and an elementary set have the same
+/// number, the union counts. The error holds the card of a union that contains itself.
 pub fn members(set: u32, unions: &SetUnions) -> Result<BTreeSet<u32>, (CardLocation, Problem)> {
     let mut found = BTreeSet::new();
     let mut open = BTreeSet::new();
     let mut closed = BTreeSet::new();
-    // The flag is true once all members have been visited.
+    // The flag of a set is true when all its members have been visited.
     let mut stack = vec![(set, false)];
     while let Some((set, done)) = stack.pop() {
         if done {

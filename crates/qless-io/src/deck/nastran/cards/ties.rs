@@ -1,4 +1,4 @@
-//! A compact table of `MPC` cards and rigid elements, in the order of the deck.
+//! A compact table of the `MPC` cards and rigid elements of a deck, in its order.
 
 use super::elements::NastranElement;
 use super::sets::MpcTerm;
@@ -6,7 +6,7 @@ use crate::deck::CardName;
 use crate::deck::nastran::syntax::card::CardLocation;
 use crate::deck::paged_list::PagedList;
 
-/// A card that couples components.
+/// A card that couples components: an `MPC` card or a rigid element.
 #[derive(Clone, Copy, Debug)]
 pub enum TieCard<'a> {
     Mpc(&'a MpcCard),
@@ -20,7 +20,7 @@ pub struct MpcCard {
     pub file: u32,
     pub line: u32,
     lines: u32,
-    /// Range of its terms in `Ties::terms`.
+    /// The range of the card's terms in `Ties::terms`.
     start: u32,
     end: u32,
 }
@@ -36,12 +36,12 @@ impl MpcCard {
 pub struct Ties {
     mpcs: PagedList<MpcCard>,
     terms: PagedList<MpcTerm>,
-    /// Elements, each with the number of `MPC` cards before it.
+    /// The elements, each with the number of `MPC` cards that precede it in the deck.
     elements: Vec<(usize, NastranElement, CardLocation)>,
 }
 
 impl Ties {
-    /// Adds an `MPC` card; its place is file, first line, and number of lines.
+    /// Adds an `MPC` card. Its place is the file, the first line, and the number of lines.
     pub fn mpc(&mut self, set: u32, (file, line, lines): (u32, u32, u32), terms: impl IntoIterator<Item = MpcTerm>) {
         let start = self.terms.len() as u32;
         terms.into_iter().for_each(|term| self.terms.push(term));
@@ -61,12 +61,12 @@ impl Ties {
         (card.start..card.end).map(|k| self.terms[k as usize])
     }
 
-    /// Number of `MPC` cards, and of all their terms.
+    /// The number of `MPC` cards, and the number of all their terms.
     pub fn counts(&self) -> (usize, usize) {
         (self.mpcs.len(), self.terms.len())
     }
 
-    /// All cards in the order of the deck.
+    /// All `MPC` cards and elements, in the order of the deck.
     pub fn iter(&self) -> impl Iterator<Item = TieCard<'_>> {
         let (mut mpcs, mut count, mut element) = (self.mpcs.iter(), 0, 0);
         std::iter::from_fn(move || match self.elements.get(element) {

@@ -1,8 +1,8 @@
-//! Cards that this reader does not understand, and the notes for the user about them.
+//! Lists the cards that this reader does not understand, and makes notes about them for the user.
 //!
-//! [`UnreadCard`] lists known cards that are not supported, most of which constrain. All other names go through [`UnknownNames`]: a name
-//! that sounds like a constraint leaves the model incomplete, common cards (elements, materials, loads, ...) are skipped, and any other
-//! name is reported once.
+//! [`UnreadCard`] lists known cards that are not supported, most of which constrain. All other names go through [`UnknownNames`]. A name
+//! that sounds like a constraint makes the model incomplete. Common cards (elements, materials, loads, ...) are skipped. Any other name is
+//! reported once.
 
 use std::sync::LazyLock;
 
@@ -24,7 +24,7 @@ enum NoteKind {
     Refusal,
 }
 
-/// Notes about lines of the deck, in the order of the cards.
+/// Notes for the user about lines of the deck, in the order of the cards.
 #[derive(Debug, Default)]
 pub struct CardNotes(Vec<(FileLine, NoteKind, String)>);
 
@@ -41,7 +41,7 @@ impl CardNotes {
         self.0.push((at, NoteKind::Refusal, text));
     }
 
-    /// Adds all notes to the model.
+    /// Adds all notes to the warnings and refusals of the model.
     pub fn add_to(self, model: &mut Model) {
         for ((file, line), kind, text) in self.0 {
             match kind {
@@ -64,7 +64,7 @@ pub struct UnreadCard {
 const HARMLESS_CONTACT: &str = "is contact";
 const REFERENCE: &str = "names reference components";
 
-/// Descriptions, with the names of their cards.
+/// What cards are that this reader does not understand, each with the names of such cards.
 const UNREAD: [(&str, &str); 26] = [
     ("is an interpolation element", "RSPLINE RBE3U"),
     ("is a rigid element that searches its grid points", "RBE2GS"),
@@ -118,12 +118,12 @@ pub fn joint(card: &BulkCard) -> String {
 }
 
 impl UnreadCard {
-    /// The entry for a card name in capitals.
+    /// The entry of `UNREAD` for a card name in capitals; `None` if there is none.
     pub fn find(name: &str) -> Option<Self> {
         unread_cards().find(|card| card.name == name)
     }
 
-    /// Whether the card constrains: then the model is incomplete without it.
+    /// Whether the card constrains. If it does, the model is incomplete without it.
     pub fn constrains(self) -> bool {
         ![HARMLESS_CONTACT, REFERENCE].contains(&self.description)
     }
@@ -141,7 +141,7 @@ impl UnreadCard {
 
     /// The grid points that the card lists.
     fn points(self, card: &BulkCard) -> Vec<String> {
-        // Pairs of point and components; in `RSPLINE` a single point precedes the pairs.
+        // Most fields are pairs of point and components. In `RSPLINE`, a single point precedes the pairs.
         let fields: Vec<usize> = match self.name {
             "SUPORT" => (0..card.len()).step_by(2).collect(),
             "SUPORT1" => (1..card.len()).step_by(2).collect(),
@@ -152,7 +152,7 @@ impl UnreadCard {
     }
 }
 
-/// The first few entries of a list, and the number of the others.
+/// The first entries of a list, and the number of those that are not shown.
 fn few(points: &[String]) -> String {
     const SHOWN: usize = 12;
     let rest = points.len().saturating_sub(SHOWN);
@@ -160,14 +160,14 @@ fn few(points: &[String]) -> String {
     format!("{}{more}", points[..points.len().min(SHOWN)].join(", "))
 }
 
-/// Prefixes of names that sound like constraints.
+/// Names that begin with one of these sound like constraints.
 const CONSTRAINS: [&str; 7] = ["RB", "RSP", "RJ", "RX", "RG", "MPC", "SPC"];
 
 /// Names that begin with one of the prefixes in `CONSTRAINS`, although their cards constrain nothing.
 const HARMLESS: [&str; 9] =
     ["RGYRO", "RSPINR", "RSPINT", "RSPINT2", "SPCOFF", "SPCOFF1", "RBJSTIF", "RXPORT", "RGLOAD"];
 
-/// Prefixes of common cards: elements, properties, materials, loads, tables, optimization.
+/// Names that begin with one of these belong to common cards: elements, properties, materials, loads, tables, optimization.
 const FAMILIES: [&str; 54] = [
     "CAERO", "CBAR", "CBEAM", "CBEND", "CBUSH", "CDAMP", "CELAS", "CFLUID", "CGAP", "CHBDY", "CHEX", "CMASS", "CONM",
     "CONV", "CPENT", "CPYR", "CQUAD", "CROD", "CSHEAR", "CTETRA", "CTRI", "CTUBE", "CVISC", "CRAC", "CHAC", "CSSCH",
@@ -191,16 +191,16 @@ const USUAL: &str = "\
     BEGIN ID SOL CEND TITLE GROUP GRAVITY HYBDAMP INITIAL MARPN LABEL PLSURF FTGDEF FTGPARM FTGSEQ FTGEVNT FTGLOAD TOPT \
     SWITCH";
 
-/// The unknown names met so far.
+/// The unknown card names that occurred so far.
 #[derive(Debug, Default)]
 pub struct UnknownNames {
     reported: FxHashSet<Vec<u8>>,
-    /// The last name met, for speed: cards of one kind are usually consecutive.
+    /// The last unknown name that occurred. Cards of one kind are usually consecutive, so comparing with it saves time.
     last: Vec<u8>,
 }
 
 impl UnknownNames {
-    /// Notes a card of this name (in capitals) if the user should know of it.
+    /// Notes that a card with this name (in capitals) occurred, if the user should know of it.
     pub fn meet(&mut self, name: &[u8], at: FileLine, notes: &mut CardNotes) {
         if self.last == name && !self.reported.contains(name) {
             return;
@@ -220,7 +220,7 @@ impl UnknownNames {
     }
 }
 
-/// Whether a word is a card name: letters and digits, starting with a letter.
+/// Whether a word can be the name of a card: letters and digits, starting with a letter.
 fn is_name(name: &[u8]) -> bool {
     name.first().is_some_and(u8::is_ascii_uppercase) && name.iter().all(u8::is_ascii_alphanumeric)
 }

@@ -1,8 +1,8 @@
-//! The sets that hold in each load case, with unions resolved.
+//! Finds the sets that hold in each load case; unions are resolved to the sets in them.
 //!
-//! Warnings name sets that hold in no load case, and selected sets that do not exist. Solvers refuse `MPCADD` and `SPCADD` cards that
-//! name a set twice or name another union. MYSTRAN allows one MPC set and one SPC set per run: a subcase inherits the selection of the
-//! previous one, and MYSTRAN stops (error 1830) if two subcases differ.
+//! Warns of sets that hold in no load case, and of selected sets that do not exist. Solvers refuse `MPCADD` and `SPCADD` cards that name a
+//! set twice or name another union. MYSTRAN allows one MPC set and one SPC set per run: a subcase inherits the selection of the previous
+//! one, and MYSTRAN stops (error 1830) if two subcases differ.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -13,16 +13,16 @@ use crate::deck::nastran::cards::sets::{SetUnions, members};
 use crate::deck::nastran::syntax::card::CardLocation;
 use crate::deck::{DeckError, Model};
 
-/// The sets of a load case, with unions resolved.
+/// The sets that hold in a load case; unions are resolved to the sets in them.
 #[derive(Clone, Debug, Default)]
 pub struct CaseSets {
     pub mpc: BTreeSet<u32>,
     pub spc: BTreeSet<u32>,
-    /// Load sets with their factors.
+    /// The load sets, each with its factor.
     pub loads: BTreeMap<u32, f64>,
 }
 
-/// Resolves the selections of all load cases into sets.
+/// Resolves the selection of each load case to the sets that hold in it.
 pub fn sets(
     mut selections: Vec<(String, CaseSelection)>,
     bulk: &BulkData,
@@ -74,7 +74,7 @@ fn note_missing(
     }
 }
 
-/// Sets with their first card and the number of cards.
+/// For each number of a set: the place of its first card, and the number of its cards.
 type SetUses = BTreeMap<u32, (CardLocation, usize)>;
 
 /// The sets that the bulk data define.
@@ -89,7 +89,7 @@ impl DefinedSets {
         let mut all = Self { mpc: SetUses::new(), spc: SetUses::new(), enforced: SetUses::new() };
         let mut cards = bulk.ties.mpcs().peekable();
         while let Some(card) = cards.next() {
-            // Cards of a set are usually consecutive.
+            // Cards of a set are usually consecutive, so consecutive ones are counted together.
             let more = std::iter::from_fn(|| cards.next_if(|next| next.set == card.set)).count();
             count(&mut all.mpc, card.set, &card.place(), 1 + more);
         }
@@ -139,7 +139,7 @@ pub fn selections(control: Option<&CaseControl>, bulk: &BulkData, model: &mut Mo
 }
 
 fn only(kind: &str, uses: &SetUses, unions: &SetUnions, model: &mut Model) -> Option<SetChoice> {
-    // A union of all sets is probably the intended selection.
+    // A union that contains all sets is probably what the user wants to select.
     let is_whole =
         |set: &&u32| members(**set, unions).is_ok_and(|members| uses.keys().all(|set| members.contains(set)));
     let set = *if uses.len() > 1 { unions.keys().find(is_whole) } else { uses.keys().next() }?;
@@ -149,7 +149,7 @@ fn only(kind: &str, uses: &SetUses, unions: &SetUnions, model: &mut Model) -> Op
     Some(SetChoice { set, file: place.file, line: place.line })
 }
 
-/// Refuses selected unions that solvers reject. MYSTRAN also rejects any other union that names a set twice.
+/// Refuses selected unions that solvers reject. For MYSTRAN, also refuses unions that are not selected but name a set twice.
 fn refuse_unions(selections: &[(String, CaseSelection)], bulk: &BulkData, model: &mut Model) {
     let selected = |field: fn(&CaseSelection) -> Option<SetChoice>| {
         selections.iter().filter_map(|(_, selection)| field(selection)).map(|choice| choice.set).collect()
@@ -177,12 +177,12 @@ fn refuse_unions_in(unions: &SetUnions, selected: &BTreeSet<u32>, is_mystran: bo
     }
 }
 
-/// One kind of selection, for reading and writing.
+/// A kind of set, and the function that gives access to the choice of this kind.
 type SelectionField = (&'static str, fn(&mut CaseSelection) -> &mut Option<SetChoice>);
 
 const KINDS: [SelectionField; 2] = [("MPC", |selection| &mut selection.mpc), ("SPC", |selection| &mut selection.spc)];
 
-/// Applies MYSTRAN's inheritance between subcases, and reports where MYSTRAN stops.
+/// Lets subcases inherit selections as in MYSTRAN, and reports where MYSTRAN stops.
 fn inherit(selections: &mut [(String, CaseSelection)], bulk: &BulkData, model: &mut Model) {
     for (kind, field) in KINDS {
         let mut before = None;
@@ -212,7 +212,7 @@ fn refuse_second_set(kind: &str, own: SetChoice, before: Option<SetChoice>, mode
     model.refuse(own.file, own.line, text);
 }
 
-/// MPC set 0, which MYSTRAN uses if no other is selected.
+/// MPC set 0, if the deck has it. MYSTRAN uses this set if no other is selected.
 fn unnumbered(bulk: &BulkData) -> Option<SetChoice> {
     bulk.ties.mpcs().find(|card| card.set == 0).map(|card| SetChoice { set: 0, file: card.file, line: card.line })
 }

@@ -1,12 +1,12 @@
-//! Case control: the sets that each subcase selects. `MPC = 3` before the first `SUBCASE` holds for every subcase that does not
-//! select an MPC set itself.
+//! Reads case control: which sets each subcase selects. `MPC = 3` before the first `SUBCASE` holds for every subcase that does not select
+//! an MPC set itself.
 
 use crate::deck::Problem;
 use crate::deck::nastran::syntax::lines::{DeckLine, FileLine, keyword};
 use crate::fault::quote;
 use crate::number::whole;
 
-/// A selected set, and the line that selects it.
+/// The number of a selected set, and the line that selects it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SetChoice {
     pub set: u32,
@@ -14,7 +14,7 @@ pub struct SetChoice {
     pub line: u32,
 }
 
-/// The sets of a subcase.
+/// The sets that a subcase or a step selects.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CaseSelection {
     pub mpc: Option<SetChoice>,
@@ -23,12 +23,12 @@ pub struct CaseSelection {
 }
 
 impl CaseSelection {
-    /// This selection, with missing choices from `outer`.
+    /// This selection; choices that are missing are taken from `outer`.
     fn or(self, outer: Self) -> Self {
         Self { mpc: self.mpc.or(outer.mpc), spc: self.spc.or(outer.spc), load: self.load.or(outer.load) }
     }
 
-    /// This selection without set 0: choosing set 0 cancels an outer choice.
+    /// This selection without choices of set 0. Choosing set 0 only cancels a choice of the outer level.
     fn in_force(self) -> Self {
         let some = |choice: Option<SetChoice>| choice.filter(|choice| choice.set != 0);
         Self { mpc: some(self.mpc), spc: some(self.spc), load: some(self.load) }
@@ -39,18 +39,18 @@ impl CaseSelection {
     }
 }
 
-/// The level of case control to which the present line belongs.
+/// The level of case control to which the current line belongs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum ControlLevel {
     #[default]
     All,
     Subcase,
     Step,
-    /// A combination of subcases: it superposes results and has no constraints.
+    /// A combination of subcases. It superposes results and has no constraints.
     Combination,
 }
 
-/// A subcase with its steps.
+/// A subcase and its steps.
 #[derive(Debug)]
 struct Subcase {
     id: u32,
@@ -59,13 +59,13 @@ struct Subcase {
     steps: Vec<(u32, usize, CaseSelection)>,
 }
 
-/// A step, a subcase without steps, or a whole deck without subcases. The sets of its selection hold together.
+/// What becomes a load case: a step, a subcase without steps, or a whole deck without subcases. All sets of its selection hold in it.
 #[derive(Clone, Debug)]
 pub struct SubcaseLeaf {
     name: String,
     pub selection: CaseSelection,
-    /// Index of the group of lines that can select sets for this leaf alone: 0 for the lines before the first subcase, then the
-    /// subcases and steps in the order of the deck.
+    /// Index of the block of lines that can select sets for this step or subcase alone. 0 means the lines before the first subcase; then
+    /// the subcases and steps count, in the order of the deck.
     pub holder: usize,
 }
 
@@ -75,18 +75,18 @@ pub struct CaseControl {
     all: CaseSelection,
     subcases: Vec<Subcase>,
     level: ControlLevel,
-    /// First line of each subcase and step in the order of the deck: holders 1, 2, and so on.
+    /// First lines of the blocks 1, 2, and so on: all subcases and steps, in the order of the deck.
     opened: Vec<FileLine>,
-    /// Every choice of an MPC set, with its holder.
+    /// All choices of an MPC set, each with the index of its block (see [`SubcaseLeaf::holder`]).
     pub mpc_choices: Vec<(usize, SetChoice)>,
-    /// The line that lets multipliers or stiffness enforce rigid elements, if any.
+    /// The line that makes the solver enforce rigid elements by multipliers or stiffness, if there is one.
     pub multipliers: Option<FileLine>,
-    /// Choices of set 0.
+    /// All choices of set 0.
     pub zeros: Vec<SetChoice>,
 }
 
 impl CaseControl {
-    /// Reads a line.
+    /// Reads a line of case control.
     pub fn line(&mut self, line: &DeckLine) -> Result<(), Problem> {
         let (word, rest) = keyword(line.text);
         match word.as_str() {
@@ -102,7 +102,7 @@ impl CaseControl {
         Ok(())
     }
 
-    /// Names and selections of the load cases. Subcases with the same sets are one load case.
+    /// The name and the selection of each load case. Subcases with the same sets are one load case.
     pub fn selections(&self) -> Vec<(String, CaseSelection)> {
         let name = |leaves: &[SubcaseLeaf]| {
             let names: Vec<&str> = leaves.iter().map(|leaf| leaf.name.as_str()).collect();
@@ -115,7 +115,7 @@ impl CaseControl {
         self.cases().iter().map(|leaves| (name(leaves), leaves[0].selection)).collect()
     }
 
-    /// The leaves of each load case, at least one; leaves with the same sets are one load case.
+    /// The steps and subcases of each load case, at least one. Those with the same sets are one load case.
     pub fn cases(&self) -> Vec<Vec<SubcaseLeaf>> {
         let mut found: Vec<Vec<SubcaseLeaf>> = Vec::new();
         for leaf in self.leaves() {
@@ -127,12 +127,12 @@ impl CaseControl {
         found
     }
 
-    /// First line of a holder; `None` for holder 0.
+    /// The first line of a subcase or step, given by the index of its block; `None` for block 0.
     pub fn opened(&self, holder: usize) -> Option<FileLine> {
         holder.checked_sub(1).and_then(|i| self.opened.get(i).copied())
     }
 
-    /// The MPC set selected before the first subcase.
+    /// The MPC set that is selected before the first subcase.
     pub fn common_choice(&self) -> Option<SetChoice> {
         self.all.in_force().mpc
     }
@@ -167,7 +167,7 @@ impl CaseControl {
         self.level = level;
     }
 
-    /// With `RIGID = LAGRAN` and `STIFF` the solver eliminates no components; with `LINEAR` and `LGELIM` it does.
+    /// Reads `RIGID`. With `LAGRAN` or `STIFF`, the solver eliminates no components; with `LINEAR` or `LGELIM`, it does.
     fn rigid(&mut self, rest: &[u8], at: FileLine) {
         let rest = rest.trim_ascii();
         let word = rest.strip_prefix(b"=").unwrap_or(rest).trim_ascii().to_ascii_uppercase();
@@ -207,18 +207,18 @@ impl CaseControl {
     }
 }
 
-/// The number after `=` or blanks.
+/// The number that follows `=` or blanks.
 fn number(rest: &[u8]) -> Option<u32> {
     leading(rest).map(|(value, _)| value)
 }
 
-/// The number after `=` or blanks, if nothing, a blank or a comment follows it: `0PO` is not the number of a set.
+/// The number that follows `=` or blanks, if only a blank or a comment follows it: `0PO` is not the number of a set.
 fn only_number(rest: &[u8]) -> Option<u32> {
     let (value, after) = leading(rest)?;
     after.first().is_none_or(|&byte| byte == b'$' || byte.is_ascii_whitespace()).then_some(value)
 }
 
-/// The number after `=` or blanks, and the rest of the text.
+/// The number that follows `=` or blanks, and the text after the number.
 fn leading(rest: &[u8]) -> Option<(u32, &[u8])> {
     let rest = rest.trim_ascii();
     let rest = rest.strip_prefix(b"=").unwrap_or(rest).trim_ascii();

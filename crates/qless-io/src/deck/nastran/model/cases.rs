@@ -1,4 +1,4 @@
-//! The prescribed DOFs and loads of a load case.
+//! Builds the prescribed DOFs and the loads of a load case.
 
 use super::points::{PointKind, Points, limited};
 use crate::deck::nastran::cards::bulk::BulkData;
@@ -7,7 +7,7 @@ use crate::deck::nastran::control::selected::CaseSets;
 use crate::deck::nastran::syntax::card::CardLocation;
 use crate::deck::{DeckError, Dof, Load, LoadCase, Model, Prescribed, Problem};
 
-/// The load case in which `sets` hold.
+/// The load case in which these `sets` hold.
 pub fn case(
     name: &str,
     sets: &CaseSets,
@@ -27,7 +27,7 @@ pub fn case(
     Ok(LoadCase { name: name.to_owned(), prescribed, clashes, loads: loads(sets, bulk, points, model), removed })
 }
 
-/// Components that `GRID` cards prescribe.
+/// The components that `GRID` cards prescribe, with the value zero.
 fn prescribed_by_grids(points: &Points, model: &mut Model) -> Vec<Prescribed> {
     let mut all = Vec::new();
     for (grid, set) in points.prescribed() {
@@ -38,7 +38,7 @@ fn prescribed_by_grids(points: &Points, model: &mut Model) -> Vec<Prescribed> {
     all
 }
 
-/// The values of a card, times a factor.
+/// The values that a card prescribes, multiplied by a factor.
 fn prescribed(
     support: &PointSupport,
     factor: f64,
@@ -65,7 +65,7 @@ fn prescribed(
     Ok(all)
 }
 
-/// Refuses undefined points, because MYSTRAN stops at them; both ends of a range must be defined.
+/// Refuses a card that prescribes undefined points, because MYSTRAN stops there. Of a range, both ends must be defined.
 fn refuse_unknown(support: &PointSupport, place: &CardLocation, points: &Points, model: &mut Model) {
     let mut ends = support.points.iter().flat_map(|span| [span.first, span.last]);
     if let Some(node) = ends.find(|&node| points.kind(node) == PointKind::Unknown) {
@@ -74,7 +74,7 @@ fn refuse_unknown(support: &PointSupport, place: &CardLocation, points: &Points,
     }
 }
 
-/// The first value of each DOF, ascending, and the later ones that contradict it.
+/// Splits values into the first value of each DOF, ascending by DOF, and the later values that contradict it.
 fn split_clashes(mut all: Vec<Prescribed>) -> (Vec<Prescribed>, Vec<Prescribed>) {
     all.sort_by_key(|prescribed| prescribed.dof);
     let mut first: Vec<Prescribed> = Vec::with_capacity(all.len());
@@ -92,7 +92,7 @@ fn split_clashes(mut all: Vec<Prescribed>) -> (Vec<Prescribed>, Vec<Prescribed>)
     (first, clashes)
 }
 
-/// The values of `SPCD` cards in the load sets of the case. Values of one DOF add up.
+/// The values of the `SPCD` cards in the load sets of the case. Several values of one DOF are added.
 fn enforced(
     sets: &CaseSets,
     bulk: &BulkData,
@@ -118,7 +118,7 @@ fn enforced(
     Ok(all)
 }
 
-/// Replaces values of `SPC` by enforced ones.
+/// Replaces the values that `SPC` prescribes by enforced values of the same DOFs.
 fn enforce(enforced: Vec<Prescribed>, prescribed: &mut Vec<Prescribed>, clashes: &mut Vec<Prescribed>) {
     if enforced.is_empty() {
         return;
@@ -134,7 +134,7 @@ fn loads(sets: &CaseSets, bulk: &BulkData, points: &Points, model: &mut Model) -
     let mut loads = Vec::new();
     for loaded in bulk.loads.iter().filter(|loaded| sets.loads.contains_key(&loaded.set)) {
         let origin = loaded.place.origin(model);
-        // A load on an undefined point acts on no constrained DOF.
+        // A load on an undefined point does not matter: it acts on no constrained DOF.
         let dofs = points.dofs(loaded.node, loaded.components).unwrap_or_default();
         loads.extend(dofs.into_iter().map(|dof| Load { dof, origin }));
     }

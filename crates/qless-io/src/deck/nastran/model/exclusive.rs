@@ -1,5 +1,5 @@
-//! Mutually exclusive sets: a component in a, o, b, c, q or r is in no other of these sets, and is neither dependent (m) nor
-//! prescribed (s).
+//! Checks sets that exclude each other: a component in set a, o, b, c, q or r is in no other of these sets, and is neither dependent (set
+//! m) nor prescribed (set s).
 
 use std::collections::BTreeMap;
 
@@ -7,10 +7,10 @@ use super::points::{Points, limited};
 use crate::deck::nastran::cards::exclusive::ExclusiveMembers;
 use crate::deck::{DeckError, Dof, LoadCase, Model, Origin};
 
-/// Letter of a set, and the card that puts a component into it.
+/// The letter of a set, and the card that puts a component into it.
 type SetClaim = (char, Origin);
 
-/// Tells the model which components must not be slaves, and refuses components that are in two sets.
+/// Tells the model which components must not be slaves. Refuses components that are in two exclusive sets, or in one and prescribed.
 pub fn claim(members: &[ExclusiveMembers], points: &Points, model: &mut Model) -> Result<(), DeckError> {
     let mut claims: BTreeMap<Dof, SetClaim> = BTreeMap::new();
     for (dof, claim) in all(members, points, model)? {
@@ -27,7 +27,7 @@ pub fn claim(members: &[ExclusiveMembers], points: &Points, model: &mut Model) -
     Ok(())
 }
 
-/// Every component that a card puts into a set.
+/// Lists each component that a card puts into an exclusive set, with its claim.
 fn all(members: &[ExclusiveMembers], points: &Points, model: &mut Model) -> Result<Vec<(Dof, SetClaim)>, DeckError> {
     let mut found = Vec::new();
     for ExclusiveMembers { letter, points: lists, components, place } in members {
@@ -42,7 +42,8 @@ fn all(members: &[ExclusiveMembers], points: &Points, model: &mut Model) -> Resu
     Ok(found)
 }
 
-/// Components of exclusive sets that some case prescribes, each once, with both cards.
+/// The components of exclusive sets that some load case prescribes, each once. Two places follow: the card of the set, and the card of the
+/// value.
 fn prescribed(claims: &BTreeMap<Dof, SetClaim>, cases: &[LoadCase]) -> Vec<(Dof, Origin, Origin)> {
     let all = cases.iter().flat_map(|case| &case.prescribed);
     let mut found: BTreeMap<Dof, (Origin, Origin)> = BTreeMap::new();

@@ -1,4 +1,4 @@
-//! Coordinate frames of a deck in basic coordinates. Their definitions may have any order.
+//! Computes the coordinate frames of a deck in basic coordinates. Their definitions may be in any order.
 //!
 //! `CORD2x` names three points in another frame, and `CORD1x` three grid points, whose coordinates may be in other frames. A frame
 //! is computed after all frames on which it depends. A circular definition is an error.
@@ -11,17 +11,17 @@ use crate::deck::kinematics::vector::Vector;
 use crate::deck::nastran::cards::points::{BASIC, FrameDefinition, FrameDefinitions, unknown_frame, unknown_grid};
 use crate::deck::nastran::cards::sets::circle;
 
-/// Frames by number.
+/// The computed frames, by number.
 #[derive(Debug, Default)]
 pub struct Frames(HashMap<u32, Frame>);
 
 impl Frames {
-    /// The frame, if the deck defines it.
+    /// The frame with this number; `None` if the deck does not define it.
     pub fn get(&self, id: u32) -> Option<&Frame> {
         self.0.get(&id)
     }
 
-    /// Computes all frames. `grid` returns the frame and coordinates of a grid point. The error names the frame at fault.
+    /// Computes all frames. `grid` returns the frame and the coordinates of a grid point. The error holds the number of the faulty frame.
     pub fn resolve(
         definitions: &FrameDefinitions,
         grid: impl Fn(u32) -> Option<(u32, Vector)>,
@@ -43,7 +43,7 @@ struct FrameSearch<'a, G> {
 }
 
 impl<G: Fn(u32) -> Option<(u32, Vector)>> FrameSearch<'_, G> {
-    /// Depth-first search with an explicit stack, so that the nesting of frames has no limit.
+    /// Computes a frame and those on which it depends, by depth-first search. The stack is explicit, so the nesting of frames has no limit.
     fn find(&mut self, id: u32) -> Result<(), (u32, Problem)> {
         let mut stack = vec![id];
         while let Some(&top) = stack.last() {
@@ -66,7 +66,7 @@ impl<G: Fn(u32) -> Option<(u32, Vector)>> FrameSearch<'_, G> {
         Ok(())
     }
 
-    /// A frame that must be computed before this one.
+    /// A frame on which this one depends and that is not computed yet; `None` if there is none.
     fn missing(&self, id: u32) -> Result<Option<u32>, Problem> {
         if self.found.contains_key(&id) {
             return Ok(None);
@@ -90,7 +90,7 @@ impl<G: Fn(u32) -> Option<(u32, Vector)>> FrameSearch<'_, G> {
         Ok(())
     }
 
-    /// The three points of a definition, each with the frame of its coordinates.
+    /// The three points that define a frame, each with the number of the frame of its coordinates.
     fn points(&self, id: u32) -> Result<(FrameKind, [(u32, Vector); 3]), Problem> {
         Ok(match self.definition(id)? {
             FrameDefinition::Points { kind, reference, points } => (*kind, points.map(|point| (*reference, point))),

@@ -1,4 +1,4 @@
-//! Builds the model from the content of a deck: coordinate systems, then the equations of all `MPC` cards and elements, then the
+//! Builds the model from the content of a deck: first the coordinate systems, then the equations of all `MPC` cards and elements, then the
 //! load cases.
 
 mod cases;
@@ -30,7 +30,7 @@ use warnings::brief;
 const MULTIPLIERS: &str = "RIGID: Lagrange multipliers or stiffness enforce the rigid elements, so these have no slaves; the dependent \
                            component of an MPC card is a slave";
 
-/// The model of a deck.
+/// Builds the model of a deck.
 pub fn build(mut content: NastranContent, sources: &Sources) -> Result<Model, DeckError> {
     let mut model = Model::new(sources.paths().to_vec());
     model.has_separate_cases = true;
@@ -59,7 +59,7 @@ pub fn build(mut content: NastranContent, sources: &Sources) -> Result<Model, De
     Ok(model)
 }
 
-/// The points with their coordinate systems.
+/// Makes the table of points, with their coordinate systems computed.
 pub fn points(bulk: &mut BulkData, model: &mut Model) -> Result<Points, DeckError> {
     let defaults = bulk.grid_defaults.as_ref().map(|(defaults, _)| *defaults).unwrap_or_default();
     let points = Points::new(std::mem::take(&mut bulk.grids), std::mem::take(&mut bulk.scalars), defaults);
@@ -81,7 +81,7 @@ fn refuse_zeros(content: &NastranContent, model: &mut Model) {
     }
 }
 
-/// Refuses a second card of a grid point, even an equal one: MYSTRAN stops there.
+/// Refuses a second card of a grid point, because MYSTRAN stops there, even if both cards are equal.
 fn refuse_repeated(points: &Points, model: &mut Model) {
     for [first, second] in points.repeated() {
         let text =
@@ -100,7 +100,8 @@ fn too_many(model: &Model, problem: Problem) -> DeckError {
     DeckError { path: model.files[0].clone(), line: 0, card: "all subcases".into(), field: None, problem }
 }
 
-/// Adds the equations of elements, and of `MPC` cards that some case selects; returns the set of each `MPC` equation.
+/// Adds the equations of all elements, and of the `MPC` cards that some load case selects. Returns, for each `MPC` equation, its index and
+/// its set.
 fn ties(
     bulk: &BulkData,
     points: &Points,
@@ -135,7 +136,7 @@ fn ties(
     Ok(sets_of)
 }
 
-/// Marks an `MPC` card as one that equations cannot replace if it is a copy or has copies: its text must stay.
+/// If an `MPC` card is a copy or has copies, marks it as one that equations cannot replace: its text must stay.
 fn fix_copied(place: &CardLocation, bulk: &BulkData, model: &mut Model) {
     if bulk.fixed.contains(&(place.file, place.line)) {
         let card = place.origin(model).card;
@@ -143,8 +144,8 @@ fn fix_copied(place: &CardLocation, bulk: &BulkData, model: &mut Model) {
     }
 }
 
-/// Adds the equations of an element and returns the number of its card. A weighted mean that cannot be solved for its dependent components
-/// is left out.
+/// Adds the equations of an element, and returns the number of its card. Leaves out a weighted mean that is undetermined or cannot be
+/// solved for its dependent components.
 fn add(
     element: &NastranElement,
     place: &CardLocation,
@@ -167,7 +168,7 @@ fn add(
     Ok(Some(origin.card))
 }
 
-/// Leaves out a singular mean, which still claims the DOFs that it names as dependent.
+/// Leaves out a weighted mean that is singular. Its dependent DOFs must still not become slaves, so the model records the claim on them.
 fn leave_out(element: &NastranElement, place: &CardLocation, problem: &Problem, model: &mut Model) {
     let origin = place.origin(model);
     model.leave_out(place.file, place.line, format!("{} is left out: {problem}", place.name));
@@ -206,7 +207,7 @@ fn joint(element: &RigidElement, points: &Points) -> Result<Vec<CouplingEquation
     element.equations(points)
 }
 
-/// Adds the equation of an `MPC` card. `row` is a buffer that all cards share.
+/// Adds the equation of an `MPC` card. `row` is a buffer for its terms, which all cards share.
 fn mpc(
     terms: impl Iterator<Item = MpcTerm>,
     place: &CardLocation,
@@ -233,7 +234,8 @@ fn mpc(
     Ok(())
 }
 
-/// If a card repeats its dependent DOF, MYSTRAN uses only the last coefficient; coefficients of other DOFs add up.
+/// If a card repeats its dependent DOF, keeps only the last of these coefficients, as MYSTRAN does. Repeated terms of other DOFs stay,
+/// because MYSTRAN adds them.
 fn take_last_of_dependent(row: &mut Vec<(Dof, f64)>) {
     let Some(&(dependent, _)) = row.first() else { return };
     if let Some(&(_, last)) = row[1..].iter().rfind(|(dof, _)| *dof == dependent) {
@@ -242,7 +244,7 @@ fn take_last_of_dependent(row: &mut Vec<(Dof, f64)>) {
     }
 }
 
-/// Positions in the basic system; empty if the deck cannot be read again.
+/// The position of each grid point in the basic system; empty if the deck cannot be read again.
 pub fn positions(deck: &Deck) -> HashMap<u32, [f64; 3]> {
     let Ok(mut content) = deck.again(read) else { return HashMap::new() };
     let points = points(&mut content.bulk, &mut Model::new(deck.model.files.clone()));

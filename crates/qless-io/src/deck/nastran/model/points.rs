@@ -1,4 +1,4 @@
-//! The points of a deck: kind, position, and the axes of their components.
+//! The points of a deck: their kind, their position, and the axes of their components.
 
 use std::collections::BTreeSet;
 
@@ -14,21 +14,21 @@ use crate::deck::nastran::cards::points::{
 use crate::deck::nastran::syntax::card::CardLocation;
 use crate::deck::{CardFault, Dof, Model, Problem};
 
-/// Grid and scalar points.
+/// The grid points and scalar points of a deck.
 #[derive(Debug, Default)]
 pub struct Points {
-    /// Grid points, ascending.
+    /// The grid points, ascending by number.
     grids: Grids,
-    /// Scalar points as ascending disjoint ranges.
+    /// The numbers of the scalar points, as ascending disjoint ranges.
     scalars: Vec<PointSpan>,
     defaults: GridDefaults,
     frames: Frames,
 }
 
-/// The number of a grid point, and two different cards that define it.
+/// The number of a grid point, and two cards that define it differently.
 pub type DuplicateGrid = Box<(u32, [CardLocation; 2])>;
 
-/// The kind of the point with a given number.
+/// What kind of point has a given number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PointKind {
     Grid,
@@ -37,7 +37,7 @@ pub enum PointKind {
 }
 
 impl Points {
-    /// The error is a grid point with two different definitions.
+    /// Makes the table of points. The error is a grid point that two cards define differently.
     pub fn new(mut grids: Grids, mut scalars: Vec<PointSpan>, defaults: GridDefaults) -> Result<Self, DuplicateGrid> {
         grids.sort()?;
         scalars.sort_unstable_by_key(|span| span.first);
@@ -49,14 +49,14 @@ impl Points {
         Ok(Self { grids, scalars, defaults, frames: Frames::default() })
     }
 
-    /// Computes the coordinate systems. The error names the system at fault.
+    /// Computes the coordinate systems. The error holds the number of the faulty system.
     pub fn resolve(&mut self, definitions: &FrameDefinitions) -> Result<(), (u32, Problem)> {
         let grid = |node| self.grids.get(node).map(|grid| (self.fields(grid).position_frame.unwrap_or(BASIC), grid.at));
         self.frames = Frames::resolve(definitions, grid)?;
         Ok(())
     }
 
-    /// Pairs of equal cards of one grid point.
+    /// Pairs of cards that define the same grid point equally.
     pub fn repeated(&self) -> &[[CardLocation; 2]] {
         &self.grids.repeated
     }
@@ -73,20 +73,20 @@ impl Points {
         }
     }
 
-    /// The DOF of a set with one component, or none, at a point of this kind.
+    /// The DOF of a point of this kind. `set` holds one component, or none for a scalar point.
     pub fn dof(node: u32, kind: PointKind, set: Components) -> Result<Dof, CardFault> {
         let component = Self::components(node, kind, set)?.iter().next();
         Ok(Dof { node, component: component.unwrap_or(0) })
     }
 
-    /// The DOFs of a set of components at a point; the DOF of a scalar point is component 0.
+    /// The DOFs of these components of a point. A scalar point has one DOF, with component 0.
     pub fn dofs(&self, node: u32, set: Components) -> Result<Vec<Dof>, CardFault> {
         let set = Self::components(node, self.kind(node), set)?;
         let one = set.is_empty().then_some(0);
         Ok(one.into_iter().chain(set.iter()).map(|component| Dof { node, component }).collect())
     }
 
-    /// Checks a set of components; the result is empty for a scalar point.
+    /// Checks whether a point of this kind can have these components. Returns them, or the empty set for a scalar point.
     fn components(node: u32, kind: PointKind, set: Components) -> Result<Components, CardFault> {
         match kind {
             PointKind::Grid if set.is_empty() => Err(CardFault::NoComponent { node }),
@@ -98,7 +98,7 @@ impl Points {
         }
     }
 
-    /// The points of a list: single points, defined or not, and the defined points of each range.
+    /// The numbers of the points in a list: single points, whether they are defined or not, and the defined points of each range.
     pub fn expand(&self, spans: &[PointSpan]) -> Result<Vec<u32>, Problem> {
         let mut nodes = Vec::new();
         for span in spans {
@@ -118,14 +118,14 @@ impl Points {
         Ok(nodes)
     }
 
-    /// Grid points with the components that their cards prescribe to 0.
+    /// The grid points whose cards prescribe components, with these components. Their value is 0.
     pub fn prescribed(&self) -> impl Iterator<Item = (&GridPoint, Components)> {
         let prescribed = |fields: GridDefaults| fields.or(self.defaults).prescribed.filter(|set| !set.is_empty());
         let any = self.grids.any(|fields| prescribed(fields).is_some()).then(|| self.grids.iter());
         any.into_iter().flatten().filter_map(move |grid| prescribed(self.grids.fields(grid)).map(|set| (grid, set)))
     }
 
-    /// Warns of undefined points that a card names. They may be scalar points that elements define.
+    /// Warns if a card names points that are not defined. They may be scalar points that elements define.
     pub fn warn_of_unknown(&self, nodes: impl Iterator<Item = u32>, place: &CardLocation, model: &mut Model) {
         let unknown: BTreeSet<u32> = nodes.filter(|&node| self.kind(node) == PointKind::Unknown).collect();
         if let Some(first) = unknown.first() {
@@ -138,17 +138,17 @@ impl Points {
         }
     }
 
-    /// The card of a grid point.
+    /// The place of the card that defines a grid point.
     pub fn place(&self, grid: &GridPoint) -> CardLocation {
         self.grids.place(grid)
     }
 
-    /// The fields of a card, with blank ones filled from `GRDSET`.
+    /// The fields of the point's card; blank ones are filled from `GRDSET`.
     fn fields(&self, grid: &GridPoint) -> GridDefaults {
         self.grids.fields(grid).or(self.defaults)
     }
 
-    /// Grid points with their positions in the basic system.
+    /// The number and the position in the basic system of each grid point.
     pub fn positions(&self) -> impl Iterator<Item = (u32, Vector)> {
         self.grids.iter().filter_map(|grid| Some((grid.id, self.position(grid).ok()?)))
     }
@@ -160,7 +160,7 @@ impl Points {
     }
 }
 
-/// Refuses lists that expand to too many points.
+/// An error if lists expand to too many points.
 pub fn limited(count: usize) -> Result<(), Problem> {
     let advice = "shorten the lists with THRU";
     if count > POINTS {

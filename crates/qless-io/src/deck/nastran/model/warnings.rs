@@ -4,10 +4,10 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::deck::Warning;
 
-/// Limit on the warnings of one kind.
+/// Largest number of warnings of one kind that are shown.
 const OF_A_KIND: usize = 100;
 
-/// The warnings by file and line, each once. One warning counts those of a kind beyond the limit.
+/// Returns the warnings in the order of file and line, each once. Of each kind, one more warning counts those beyond the limit.
 pub fn brief(mut warnings: Vec<Warning>) -> Vec<Warning> {
     warnings.sort_by_key(|warning| (warning.file, warning.line));
     let mut seen = FxHashSet::default();
@@ -21,7 +21,7 @@ pub fn brief(mut warnings: Vec<Warning>) -> Vec<Warning> {
         *count += 1;
         match *count {
             0..=OF_A_KIND => kept.push(warning),
-            // The warning with the count names the line of the first one beyond the limit.
+            // The warning with the count has the line of the first warning beyond the limit.
             n if n == OF_A_KIND + 1 => beyond.push((kind, warning)),
             _ => {}
         }

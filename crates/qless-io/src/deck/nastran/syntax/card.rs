@@ -1,4 +1,4 @@
-//! A card of bulk data: its name, its data fields over all of its lines, and its place in the deck.
+//! A card of bulk data: its name, its place in the deck, and its data fields on all of its lines.
 
 use super::fields::{LineFields, name_in, split};
 use super::lines::FileLine;
@@ -8,16 +8,16 @@ use crate::deck::{CardName, DeckError, Model, Origin, Problem};
 use crate::fault::quote;
 use crate::number::whole;
 
-/// Data fields of a line in small field; in large field, two lines have as many.
+/// Number of data fields on a line in small field. In large field, two lines have as many.
 pub const PER_LINE: usize = 8;
 
 /// A line of a card.
 #[derive(Clone, Copy, Debug)]
 struct CardLine {
     at: FileLine,
-    /// Index of its first data field.
+    /// Index of the first data field on this line.
     first: u32,
-    /// Whether other cards separate it from the first lines of its card, or it is in another file.
+    /// Whether the line is apart from the first lines of its card: other cards separate them, or it is in another file.
     is_apart: bool,
 }
 
@@ -26,20 +26,20 @@ struct CardLine {
 pub struct BulkCard {
     /// The name in capitals.
     pub name: &'static str,
-    /// File and first line.
+    /// The file and the first line of the card.
     pub file: u32,
     pub line: u32,
     text: Vec<u8>,
-    /// End of each data field in `text`.
+    /// For each data field, its end in `text`.
     ends: Vec<u32>,
     lines: Vec<CardLine>,
-    /// Continuation mark of the last line.
+    /// The continuation mark of the card's last line.
     mark: Vec<u8>,
-    /// Whether a line in free field has data beyond its last field.
+    /// Whether a line in free field has more data than it has data fields.
     pub goes_beyond: bool,
 }
 
-/// Place and reason of an error in a card.
+/// An error in a card: its place and the reason.
 #[derive(Debug)]
 pub struct CardRefusal {
     pub at: FileLine,
@@ -55,26 +55,26 @@ pub struct NamedRefusal {
 }
 
 impl CardRefusal {
-    /// An error of a whole line.
+    /// An error that concerns a whole line.
     pub fn of_line(at: FileLine, problem: impl Into<Problem>) -> Self {
         Self { at, field: None, problem: problem.into() }
     }
 
-    /// Adds the name of the card.
+    /// Adds the name of the card to the error.
     pub fn in_card(self, card: &BulkCard) -> NamedRefusal {
         NamedRefusal { card: card.title().to_string(), refused: self }
     }
 }
 
 impl BulkCard {
-    /// Starts a new card from a line without its comment.
+    /// Starts a new card from its first line, whose comment was removed.
     pub fn begin(&mut self, name: &'static str, line: &[u8], at: FileLine) -> Result<(), CardRefusal> {
         self.restart(name, at);
         self.take(&split(line).map_err(|problem| CardRefusal::of_line(at, problem))?, at, false);
         Ok(())
     }
 
-    /// Appends a continuation line; `is_apart` if other cards separate it from the card.
+    /// Appends a continuation line to the card. `is_apart` is true if other cards separate the line from the card.
     pub fn extend(&mut self, line: &[u8], at: FileLine, is_apart: bool) -> Result<(), CardRefusal> {
         let was_apart = self.lines.last().is_some_and(|last| last.is_apart);
         let fields = split(line).map_err(|problem| CardRefusal::of_line(at, problem))?;
@@ -82,7 +82,7 @@ impl BulkCard {
         Ok(())
     }
 
-    /// Becomes a card of the same name with these fields, all in one line.
+    /// Turns this card into one of the same name with these fields, all on one line.
     pub fn become_copy(&mut self, fields: &[Vec<u8>], at: FileLine) {
         self.restart(self.name, at);
         self.lines.push(CardLine { at, first: 0, is_apart: false });
@@ -100,7 +100,7 @@ impl BulkCard {
     }
 
     fn take(&mut self, fields: &LineFields, at: FileLine, is_apart: bool) {
-        // Half a line in large field, followed by a line in small field, counts as a full line.
+        // If a line in small field follows one line in large field, that half line is filled up with blank fields.
         if fields.data().len() == PER_LINE {
             while !self.ends.len().is_multiple_of(PER_LINE) {
                 self.ends.push(self.text.len() as u32);
@@ -118,12 +118,12 @@ impl BulkCard {
         self.ends.push(self.text.len() as u32);
     }
 
-    /// The name of the card's continuation line, in capitals; empty without a name.
+    /// The name of the line that continues this card, in capitals; empty if the card names none.
     pub fn continues_in(&self) -> Vec<u8> {
         name_in(&self.mark)
     }
 
-    /// Whether the card fills a line; in large field this takes two lines.
+    /// Whether the card fills a line. In large field, this takes two lines.
     pub fn is_full_line(&self) -> bool {
         self.ends.len() >= PER_LINE
     }
@@ -133,7 +133,7 @@ impl BulkCard {
         self.lines.len() == 1 && self.ends.len() <= PER_LINE
     }
 
-    /// Data field `i`, from 0; blank beyond the last field.
+    /// Data field `i`, counted from 0. A field beyond the last one is blank.
     pub fn field(&self, i: usize) -> &[u8] {
         let Some(&end) = self.ends.get(i) else { return b"" };
         let start = if i == 0 { 0 } else { self.ends[i - 1] };
@@ -149,13 +149,13 @@ impl BulkCard {
         (0..self.ends.len()).rev().find(|&i| !self.is_blank(i)).map_or(0, |i| i + 1)
     }
 
-    /// Number of consecutive lines from the first line of the card.
+    /// Number of consecutive lines of the card, from its first line on.
     pub fn span(&self) -> u32 {
         let together = self.lines.iter().take_while(|part| !part.is_apart);
         together.last().map_or(1, |part| (part.at.1 + 1).saturating_sub(self.line).max(1))
     }
 
-    /// The last line.
+    /// The place of the card's last line.
     pub fn last(&self) -> FileLine {
         self.lines.last().map_or((self.file, self.line), |part| part.at)
     }
@@ -165,7 +165,7 @@ impl BulkCard {
         self.lines.iter().filter(|part| part.is_apart).map(|part| part.at)
     }
 
-    /// The card's name and number, such as `RBE2 12`.
+    /// The name and the number of the card, such as `RBE2 12`.
     pub fn title(&self) -> CardName {
         match whole(self.field(0)).map(|id| (id, u32::try_from(id))) {
             Some((_, Ok(id))) => CardName::numbered(self.name, id),
@@ -174,12 +174,12 @@ impl BulkCard {
         }
     }
 
-    /// A whole number of at least 1.
+    /// The whole number in field `i`, at least 1.
     pub fn id(&self, i: usize, what: &'static str) -> Result<u32, CardRefusal> {
         self.optional_id(i, what)?.ok_or_else(|| self.expected(i, what))
     }
 
-    /// A whole number of at least 0; `None` for a blank field.
+    /// The whole number in field `i`, at least 0; `None` for a blank field.
     pub fn optional_whole(&self, i: usize, what: &'static str) -> Result<Option<u32>, CardRefusal> {
         let word = self.field(i);
         if word.is_empty() {
@@ -196,7 +196,7 @@ impl BulkCard {
         }
     }
 
-    /// A real number; `None` for a blank field.
+    /// The real number in field `i`; `None` for a blank field.
     pub fn real(&self, i: usize) -> Result<Option<f64>, CardRefusal> {
         let word = self.field(i);
         if word.is_empty() {
@@ -204,20 +204,20 @@ impl BulkCard {
         }
         let number = |fault| self.at(i, Problem::Number { found: quote(word), fault });
         match real(word) {
-            // The solver, too, reads an underflow as zero.
+            // An underflow is read as zero, as in the solver.
             Err(crate::NumberFault::Underflow) => Ok(Some(0.0)),
             other => other.map(Some).map_err(number),
         }
     }
 
-    /// Component numbers, with or without blanks between them; the empty set if the field is blank or 0.
+    /// The component numbers in field `i`, with or without blanks between them. If the field is blank or 0, the set is empty.
     pub fn components(&self, i: usize) -> Result<Components, CardRefusal> {
         const EXPECTED: &str = "component numbers: digits from 1 to 6";
         let digits: Vec<u8> = self.field(i).iter().copied().filter(|byte| !byte.is_ascii_whitespace()).collect();
         Components::parse(&digits).ok_or_else(|| self.expected(i, EXPECTED))
     }
 
-    /// Component numbers, at least one.
+    /// The component numbers in field `i`, at least one.
     pub fn some_components(&self, i: usize) -> Result<Components, CardRefusal> {
         const EXPECTED: &str = "one or more component numbers from 1 to 6";
         Some(self.components(i)?).filter(|set| !set.is_empty()).ok_or_else(|| self.expected(i, EXPECTED))
@@ -228,7 +228,7 @@ impl BulkCard {
         self.at(i, Problem::Expected { expected: what, found: quote(self.field(i)) })
     }
 
-    /// The error of a problem in field `i`. Messages count fields from 1, and the card's name is field 1.
+    /// The error that there is a problem in field `i`. Messages count fields from 1, and the name of the card is field 1.
     pub fn at(&self, i: usize, problem: Problem) -> CardRefusal {
         let own = self.lines.iter().rfind(|part| part.first as usize <= i);
         let (at, first) = own.map_or(((self.file, self.line), 0), |part| (part.at, part.first as usize));
@@ -236,7 +236,7 @@ impl BulkCard {
     }
 }
 
-/// Location of a card: file, lines, and the card's name with its number.
+/// Where a card is: its file and lines, and its name with its number.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CardLocation {
     pub name: CardName,
@@ -250,7 +250,7 @@ impl CardLocation {
         Self { name: card.title(), file: card.file, line: card.line, lines: card.span() }
     }
 
-    /// The place as an origin in a model. Consecutive cards of one name in a file share one entry there.
+    /// The place of the card as an origin in the model. Consecutive cards of one name in a file share one entry in the model.
     pub fn origin(&self, model: &mut Model) -> Origin {
         let card = match model.cards.last() {
             Some(last) if last.name == self.name && last.file == self.file => model.cards.len() as u32 - 1,
@@ -259,13 +259,13 @@ impl CardLocation {
         Origin { card, line: self.line, lines: self.lines }
     }
 
-    /// The error of a problem in the whole card.
+    /// The error that there is a problem in the card as a whole.
     pub fn error(&self, problem: Problem, model: &mut Model) -> DeckError {
         let origin = self.origin(model);
         model.error(origin, None, problem)
     }
 
-    /// File name and line, such as `deck.bdf:12`.
+    /// The name of the file and the line, such as `deck.bdf:12`.
     pub fn brief(&self, model: &Model) -> String {
         let file = model.files[self.file as usize].file_name().unwrap_or_default().to_string_lossy();
         format!("{file}:{}", self.line)

@@ -1,7 +1,7 @@
 //! Joins cards with continuation lines that are not next to them.
 //!
 //! A card that ends with the mark `+A` continues in the line that begins with `+A`, wherever that line is in the deck. If a line has no
-//! mark and the next line has a name, the next line continues it, unless the mark of another line names the next line.
+//! mark and the line after it has a name, that line continues it, unless the mark of another line gives this name.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -10,39 +10,40 @@ use super::fields::{mark, name_in, split};
 use super::lines::FileLine;
 use crate::deck::{CardFault, Solver};
 
-/// Cards that wait for continuation lines, and continuation lines that wait for their card, both in the order of the deck.
+/// Cards that wait for their continuation lines, and continuation lines that wait for their card. Both are in the order of the deck.
 #[derive(Debug, Default)]
 pub struct Continuations {
     claims: Vec<ContinuationClaim>,
     pieces: Vec<LoosePiece>,
-    /// Names in the marks of cards and pieces.
+    /// The names that occur in the marks of cards and pieces.
     named: BTreeSet<Vec<u8>>,
 }
 
-/// A card that continues in a line of a given name.
+/// A card that claims the continuation line with a given name.
 #[derive(Debug)]
 struct ContinuationClaim {
     card: Option<BulkCard>,
     name: Vec<u8>,
-    /// For a card without a mark: index of the piece right after it, which belongs to it unless another card names that piece.
+    /// For a card without a mark: the index of the piece that directly follows it. The piece belongs to this card unless another card names
+    /// it.
     next: Option<usize>,
 }
 
-/// Consecutive continuation lines of a card that is not yet known.
+/// A piece: consecutive continuation lines whose card is not known yet.
 #[derive(Debug)]
 struct LoosePiece {
     name: Vec<u8>,
-    /// Name of the line that continues the last line.
+    /// The name of the line that continues the piece, from the mark of its last line.
     mark: Vec<u8>,
     lines: Vec<(FileLine, Vec<u8>)>,
-    /// Whether the lines may belong to the skipped card before them.
+    /// Whether these lines may belong to the skipped card that precedes them.
     may_be_unread: bool,
-    /// Whether the lines follow the piece before, which ends without a mark.
+    /// Whether these lines directly follow another piece that ends without a mark.
     follows: bool,
     is_taken: bool,
 }
 
-/// The kind of line before a continuation line.
+/// The kind of the line that precedes a continuation line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LineBefore {
     Nothing,
@@ -55,24 +56,24 @@ pub enum LineBefore {
 }
 
 impl Continuations {
-    /// Adds a card that continues in a line of this name; `None` for a card that is skipped.
+    /// Adds a card that continues on a line with this name. `card` is `None` for a card that is skipped.
     pub fn claim(&mut self, name: Vec<u8>, card: Option<BulkCard>) {
         self.claims.push(ContinuationClaim { card, name, next: None });
     }
 
-    /// Adds a card without a mark that is followed by a named continuation line.
+    /// Adds a card without a mark after which a continuation line with a name follows.
     pub fn claim_next(&mut self, card: BulkCard) {
         self.claims.push(ContinuationClaim { card: Some(card), name: Vec::new(), next: Some(self.pieces.len()) });
     }
 
-    /// Starts a new piece with a line that does not continue the line before it.
+    /// Starts a new piece. Its first line does not continue the line before it.
     pub fn start(&mut self, name: Vec<u8>, line: &[u8], at: FileLine, may_be_unread: bool) {
         let lines = vec![(at, line.to_vec())];
         let mark = name_in(mark(line));
         self.pieces.push(LoosePiece { name, mark, lines, may_be_unread, follows: false, is_taken: false });
     }
 
-    /// Starts a new piece right after the last one.
+    /// Starts a new piece that directly follows the last one.
     pub fn start_next(&mut self, name: Vec<u8>, line: &[u8], at: FileLine) {
         let last = self.pieces.last();
         let (may_be_unread, follows) =
@@ -81,7 +82,7 @@ impl Continuations {
         self.pieces.last_mut().into_iter().for_each(|piece| piece.follows = follows);
     }
 
-    /// Whether a line of this name continues the last piece.
+    /// Whether a line with this name continues the last piece.
     pub fn goes_on(&self, name: &[u8]) -> bool {
         self.pieces.last().is_some_and(|piece| name.is_empty() || piece.mark == name)
     }
@@ -97,8 +98,9 @@ impl Continuations {
     /// The waiting cards, each with all of its lines, in the order of the deck.
     ///
     /// # Errors
-    /// A card without its continuation line, and a continuation line without its card. MYSTRAN looks for a continuation in the next line
-    /// only: it accepts a card whose continuation is missing, and silently drops a continuation elsewhere, which is an error here.
+    /// If a card lacks its continuation line, or a continuation line lacks its card. MYSTRAN looks for a continuation on the next line
+    /// only: it accepts a card whose continuation is missing. A continuation line elsewhere, which MYSTRAN silently drops, is an error
+    /// here.
     pub fn finish(mut self, solver: Solver) -> Result<Vec<BulkCard>, NamedRefusal> {
         let mut by_name: BTreeMap<Vec<u8>, VecDeque<usize>> = BTreeMap::new();
         for (i, piece) in self.pieces.iter().enumerate() {
@@ -107,7 +109,7 @@ impl Continuations {
         let marks = self.pieces.iter().map(|piece| &piece.mark);
         self.named = self.claims.iter().map(|claim| &claim.name).chain(marks).cloned().collect();
         let mut cards = Vec::with_capacity(self.claims.len());
-        // Cards that name their lines come first; a piece that no card names belongs to the card before it.
+        // Cards whose marks name lines come first: a piece belongs to the card before it only if no other card names it.
         let claims = std::mem::take(&mut self.claims);
         for claim in claims.iter().filter(|claim| claim.next.is_none()) {
             cards.extend(self.complete(claim, &mut by_name, solver)?);
@@ -124,7 +126,7 @@ impl Continuations {
         Ok(cards)
     }
 
-    /// Completes the card of a claim and marks its lines as taken.
+    /// Completes the card of a claim, and marks the lines that it takes.
     fn complete(
         &mut self,
         claim: &ContinuationClaim,
@@ -157,7 +159,8 @@ impl Continuations {
         Ok(card)
     }
 
-    /// Appends a piece and those that follow it to a card unless the card is skipped; returns the name of the next piece.
+    /// Appends a piece, and the pieces that follow it, to a card. If the card is skipped, only marks them as taken. Returns the name of the
+    /// line that continues the card.
     fn take(
         &mut self,
         mut at: usize,
@@ -181,12 +184,12 @@ impl Continuations {
     }
 }
 
-/// The name at the start of a continuation line, in capitals; empty after a bare `+`, `*` or blanks.
+/// The name at the start of a continuation line, in capitals. It is empty if the line begins with blanks or a bare `+` or `*`.
 pub fn name_of(line: &[u8]) -> Vec<u8> {
     split(line).map(|fields| fields.name.to_ascii_uppercase()).unwrap_or_default()
 }
 
-/// Whether a card of this name always fits one line in small field, so that a text in its last field is a remark, not a mark.
+/// Whether all cards with this name fit on one line in small field. A text in their last field is then a remark, not a continuation mark.
 pub fn is_always_one_line(name: &str) -> bool {
     matches!(name, "GRID" | "GRDSET" | "SPC" | "SPCD" | "FORCE" | "MOMENT" | "SLOAD") || name.starts_with("CORD1")
 }

@@ -1,4 +1,4 @@
-//! Copies of the previous card: `=,*1,=,*(0.5),==` makes one copy, and `=(3)` then makes three more by the same rule.
+//! Reads lines that copy the previous card: `=,*1,=,*(0.5),==` makes one copy, and `=(3)` then makes three more by the same rule.
 //!
 //! | field | field of the copy |
 //! | --- | --- |
@@ -14,11 +14,11 @@ use super::number::real;
 use crate::deck::Problem;
 use crate::fault::quote;
 
-/// The rule for each field of a copy.
+/// For each field, how it follows from the field of the previous card.
 #[derive(Clone, Debug, Default)]
 pub struct CopyRule(Vec<Vec<u8>>);
 
-/// The number of copies that a line makes, and their rule. A line without fields uses the rule `before`.
+/// The number of copies that a line makes, and the rule for their fields. A line without fields uses the rule `before`.
 pub fn read(line: &[u8], before: Option<&CopyRule>, at: FileLine) -> Result<(usize, CopyRule), CardRefusal> {
     const EXPECTED: &str = "`=`, `=n` or `=(n)`, and for a first copy what changes in it";
     let refused = |problem| CardRefusal::of_line(at, problem);
@@ -33,7 +33,7 @@ pub fn read(line: &[u8], before: Option<&CopyRule>, at: FileLine) -> Result<(usi
 }
 
 impl CopyRule {
-    /// Replaces the card by its next copy.
+    /// Turns the card into its next copy.
     pub fn apply(&self, card: &mut BulkCard, at: FileLine) -> Result<(), CardRefusal> {
         let mut fields = Vec::with_capacity(PER_LINE);
         let mut is_rest = false;
@@ -53,12 +53,12 @@ impl CopyRule {
     }
 }
 
-/// The text without its parentheses, if it has any.
+/// The text inside parentheses; the whole text if it has none.
 fn inner(text: &[u8]) -> &[u8] {
     text.strip_prefix(b"(").and_then(|text| text.strip_suffix(b")")).unwrap_or(text).trim_ascii()
 }
 
-/// The sum of two numbers; a whole number if both are whole.
+/// The sum of two numbers. It is a whole number if both are whole.
 fn sum(a: &[u8], b: &[u8]) -> Option<Vec<u8>> {
     let whole = |text: &[u8]| std::str::from_utf8(text).ok()?.parse::<i64>().ok();
     if let (Some(a), Some(b)) = (whole(a), whole(b)) {

@@ -1,6 +1,6 @@
 //! Splits a line of bulk data into fields.
 //!
-//! A line is `name | 8 data fields of 8 columns | mark`, or 4 data fields of 16 columns, or fields between commas.
+//! A line has a name, data fields and a continuation mark, in one of three forms. Numbers below are columns.
 //!
 //! | form  | when                       | name    | data                  | continuation mark |
 //! | ----- | -------------------------- | ------- | --------------------- | ----------------- |
@@ -8,7 +8,7 @@
 //! | large | the first field has a `*`  | 1 to 8  | 4 fields of 16        | 73 to 80          |
 //! | free  | a comma among the first 16 | first   | 8, or 4 with a `*`    | the field after   |
 //!
-//! In free field, data may continue after the last field, as if they were in the next line. A tab fills up with blanks to the next
+//! In free field, data may continue after the last data field, as if they were on the next line. A tab fills up with blanks to the next
 //! multiple of 8 columns. A comment starts with `$`.
 
 use std::borrow::Cow;
@@ -21,18 +21,18 @@ const NAME: usize = 8;
 const END_OF_DATA: usize = 72;
 const END: usize = 80;
 
-/// The fields of one line, each without surrounding blanks.
+/// The fields of a line, each without surrounding blanks.
 #[derive(Debug, PartialEq)]
 pub struct LineFields<'a> {
-    /// The first field without its `*` or `+`; in a continuation line, the continuation name after that mark.
+    /// The first field without its `*` or `+`. In a continuation line, this is the name of the continuation.
     pub name: &'a [u8],
-    /// The data fields.
+    /// The data fields, of which the first `count` are used.
     data: [&'a [u8]; 8],
     /// Number of data fields of the line: 8, or 4 in large field.
     count: usize,
-    /// Further data fields in free field, which would otherwise be in continuation lines.
+    /// Further data of a line in free field, which would otherwise stand on continuation lines.
     pub more: Vec<&'a [u8]>,
-    /// The continuation mark: the field after the data, in which a card names its continuation line.
+    /// The continuation mark: the field after the data, which names the continuation line.
     pub mark: &'a [u8],
 }
 
@@ -42,9 +42,9 @@ impl<'a> LineFields<'a> {
     }
 }
 
-/// The line without its comment; tabs are expanded unless the line is in free field.
+/// The line without its comment. Tabs are expanded to blanks unless the line is in free field.
 pub fn content(line: &[u8]) -> Cow<'_, [u8]> {
-    // Most lines have neither a comment nor a tab.
+    // A fast exit, because most lines have neither a comment nor a tab.
     let Some(first) = memchr::memchr2(b'$', b'\t', line) else { return Cow::Borrowed(line.trim_ascii_end()) };
     let end = memchr::memchr(b'$', &line[first..]).map_or(line.len(), |end| first + end);
     let line = line[..end].trim_ascii_end();
@@ -68,18 +68,18 @@ pub fn continues(line: &[u8]) -> bool {
     matches!(line.first(), Some(b' ' | b'+' | b'*' | b',' | b'\t')) && !starts_late(line)
 }
 
-/// Whether the line is an indented card: blanks, then a name within the first field.
+/// Whether the line is an indented card: its first field has blanks before a name.
 fn starts_late(line: &[u8]) -> bool {
     let first = &line[..line.len().min(NAME)];
     line[0] == b' ' && first.iter().find(|&&byte| byte != b' ').is_some_and(u8::is_ascii_alphabetic)
 }
 
-/// The fields of a line that [`content`] has stripped of its comment.
+/// Splits a line into fields. [`content`] must have removed its comment.
 pub fn split(line: &[u8]) -> Result<LineFields<'_>, Problem> {
     if is_free(line) { free(line) } else { Ok(fixed(line)) }
 }
 
-/// Whether the line is in free field: a comma in its name or first data field. Later commas may be part of a text.
+/// Whether the line is in free field, that is, has a comma in its name or first data field. Later commas may be part of a text.
 fn is_free(line: &[u8]) -> bool {
     line[..line.len().min(2 * NAME)].contains(&b',')
 }
@@ -108,15 +108,15 @@ fn free(line: &[u8]) -> Result<LineFields<'_>, Problem> {
     }
     let (more, mark) = beyond(&words.collect::<Vec<_>>(), count)?;
     let fields = LineFields { name, data, count, more, mark };
-    // In a line of copies, an asterisk marks an increment, not a continuation.
+    // On a line of copies, an asterisk marks an increment, not a continuation.
     Ok(if is_copy(name) { fields } else { without_early_mark(fields) })
 }
 
-/// Splits the words after the data fields into further data and the continuation mark.
+/// Splits the words after the data fields of a line in free field into further data and the continuation mark.
 fn beyond<'a>(words: &[&'a [u8]], count: usize) -> Result<(Vec<&'a [u8]>, &'a [u8]), Problem> {
     let filled = words.iter().rposition(|word| !word.is_empty()).map_or(0, |last| last + 1);
     let words = &words[..filled];
-    // Words count as data only if the first is clearly a datum: a blank may be an empty mark, and a mark ends the data.
+    // The words are further data only if the first one is clearly a datum. A blank may be an empty mark, and a mark ends the data.
     let is_data = words.first().is_some_and(|word| !word.is_empty() && !is_mark(word));
     let (more, mark) = match words.split_last() {
         Some((mark, more)) if more.is_empty() && is_mark(mark) || is_name(mark) => (more, *mark),
@@ -128,7 +128,7 @@ fn beyond<'a>(words: &[&'a [u8]], count: usize) -> Result<(Vec<&'a [u8]>, &'a [u
     }
 }
 
-/// Whether a word among data can only be a continuation mark: it looks like one, and is not a number.
+/// Whether a word after data can only be a continuation mark: it begins like one, and is not a number.
 fn is_name(word: &[u8]) -> bool {
     is_mark(word) && real(word).is_err()
 }
@@ -138,7 +138,7 @@ pub fn is_copy(name: &[u8]) -> bool {
     name.first() == Some(&b'=')
 }
 
-/// The continuation mark of a line, without splitting the whole line.
+/// The continuation mark of a line. Finds it without splitting the line into fields.
 pub fn mark(line: &[u8]) -> &[u8] {
     if !is_free(line) {
         return columns(line, END_OF_DATA, END);
@@ -147,7 +147,7 @@ pub fn mark(line: &[u8]) -> &[u8] {
     last.map(<[u8]>::trim_ascii).filter(|word| is_mark(word) && real(word).is_err()).unwrap_or_default()
 }
 
-/// The continuation name in a mark, in capitals: the text after its `+` or `*`; empty without a name.
+/// The name in a continuation mark, in capitals: the text after its `+` or `*`. Empty if there is none.
 pub fn name_in(mark: &[u8]) -> Vec<u8> {
     let name = mark.strip_prefix(b"+").or(mark.strip_prefix(b"*")).unwrap_or_default();
     name.trim_ascii().to_ascii_uppercase()
@@ -157,7 +157,8 @@ fn is_mark(word: &[u8]) -> bool {
     matches!(word.first(), None | Some(b'+' | b'*'))
 }
 
-/// Moves an early mark, as in `MPC,1,2,3,1.0,+`, out of the data: a last field that starts with `+` or `*` and is no number.
+/// Moves a mark that stands among the data, as in `MPC,1,2,3,1.0,+`, to its place: the last field, if it starts with `+` or `*` and is no
+/// number.
 fn without_early_mark(mut fields: LineFields<'_>) -> LineFields<'_> {
     let Some(last) = fields.data.iter().rposition(|field| !field.is_empty()) else { return fields };
     let word = fields.data[last];
@@ -168,7 +169,7 @@ fn without_early_mark(mut fields: LineFields<'_>) -> LineFields<'_> {
     fields
 }
 
-/// The name in the first field, and whether the line is in large field.
+/// The name in the first field of a line, and whether the line is in large field.
 fn name(first: &[u8]) -> (&[u8], bool) {
     if let Some(rest) = first.strip_prefix(b"*") {
         return (rest.trim_ascii(), true);

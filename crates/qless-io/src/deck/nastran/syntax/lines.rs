@@ -1,17 +1,17 @@
-//! The lines of a deck in reading order, with `INCLUDE` files in place.
+//! Visits the lines of a deck in the order of reading. The lines of an `INCLUDE` file take the place of the statement.
 
 use super::fields::content;
 use crate::bytes::LINE;
 use crate::deck::{DeckError, Problem, Sources};
 use crate::fault::quote;
 
-/// File index, and line number from 1.
+/// The index of a file, and the number of a line in it, from 1.
 pub type FileLine = (u32, u32);
 
-/// A line of a deck, without its comment unless [`LineVisitor::quick`] receives it.
+/// A line of a deck. Its comment is removed, except if [`LineVisitor::quick`] receives the line.
 pub struct DeckLine<'a> {
     pub file: u32,
-    /// Line number, from 1.
+    /// The number of the line, from 1.
     pub number: u32,
     pub text: &'a [u8],
 }
@@ -22,11 +22,11 @@ impl DeckLine<'_> {
     }
 }
 
-/// An `INCLUDE` statement whose file was read.
+/// An `INCLUDE` statement whose file could be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct IncludeLine {
     pub file: u32,
-    /// First line of the statement, from 1.
+    /// The first line of the statement, from 1.
     pub line: u32,
     pub lines: u32,
     /// Index of the included file.
@@ -35,16 +35,17 @@ pub struct IncludeLine {
 
 /// Receives the lines of a deck one by one.
 pub trait LineVisitor {
-    /// Takes a raw line, comment included, that no other line continues. Returns false to have it passed to `line`.
+    /// Receives a raw line, comment included, that no other line continues. Returns true if that is all; if false, `line` receives the line
+    /// too.
     fn quick(&mut self, line: &DeckLine, sources: &Sources) -> Result<bool, DeckError>;
 
-    /// Takes a line that is not an `INCLUDE`. Returns false to end the reading.
+    /// Receives a line that is not an `INCLUDE`. Returns false to end the reading.
     fn line(&mut self, line: &DeckLine, sources: &Sources) -> Result<bool, DeckError>;
 
-    /// Takes an `INCLUDE` before the lines of its file.
+    /// Receives an `INCLUDE` statement, before the lines of its file.
     fn included(&mut self, include: IncludeLine);
 
-    /// Decides about an included file that cannot be read: returns the error to stop, or `Ok` to continue without the file.
+    /// Decides what happens if an included file cannot be read. Returns the error to stop, or `Ok` to continue without the file.
     fn unreadable(&mut self, at: FileLine, error: DeckError) -> Result<(), DeckError>;
 }
 
@@ -53,15 +54,14 @@ pub fn walk(sources: &mut Sources, visitor: &mut impl LineVisitor) -> Result<(),
     file(sources, 0, 0, visitor).map(|_| ())
 }
 
-/// Visits one file. Returns false if the visitor ended the reading.
+/// Visits the lines of one file. Returns false if the visitor ended the reading.
 fn file(sources: &mut Sources, number: usize, depth: usize, visitor: &mut impl LineVisitor) -> Result<bool, DeckError> {
     let bytes = sources.text(number);
     let mut rest = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
     let mut line = 0;
     while !rest.is_empty() {
         let (first, text) = (line + 1, next(&mut rest, &mut line));
-        // If the next line begins with a letter, another card starts there. `INCLUDE` is the exception: its file may continue this
-        // card.
+        // If the next line begins with a letter, it starts another card. `INCLUDE` is the exception: its file may continue this card.
         let is_last = rest.first().is_some_and(|&byte| byte.is_ascii_alphabetic() && !matches!(byte, b'I' | b'i'));
         if is_last && visitor.quick(&DeckLine { file: number as u32, number: first as u32, text }, sources)? {
             continue;
@@ -82,7 +82,7 @@ fn file(sources: &mut Sources, number: usize, depth: usize, visitor: &mut impl L
             continue;
         }
         let name = file_name(&text, &mut rest, &mut line).ok_or_else(|| open_quote(sources, number, first, &text))?;
-        // Decks written on Windows separate folders by backslashes.
+        // Decks from Windows separate folders by backslashes.
         let name = if cfg!(windows) { name } else { name.replace('\\', "/") };
         match sources.include(&name, number, first, depth) {
             Ok(inner) => {
@@ -98,7 +98,7 @@ fn file(sources: &mut Sources, number: usize, depth: usize, visitor: &mut impl L
     Ok(true)
 }
 
-/// Takes the next line off `rest`, without its line ending.
+/// Takes the next line from `rest`. Returns it without its line ending.
 fn next<'a>(rest: &mut &'a [u8], line: &mut usize) -> &'a [u8] {
     let end = memchr::memchr(b'\n', rest).unwrap_or(rest.len());
     let text = &rest[..end];
@@ -115,7 +115,7 @@ fn is_include(text: &[u8]) -> bool {
         && matches!(text[WORD.len()], b' ' | b'\t' | b'\'' | b'"' | b'=')
 }
 
-/// The file name after `INCLUDE`: one word, or a quoted text that may extend over several lines.
+/// The file name after `INCLUDE`: one word, or a quoted text, which may extend over several lines.
 fn file_name(text: &[u8], rest: &mut &[u8], line: &mut usize) -> Option<String> {
     let word = text.trim_ascii_start()[b"INCLUDE".len()..].trim_ascii();
     let word = word.strip_prefix(b"=").unwrap_or(word).trim_ascii();

@@ -1,11 +1,11 @@
-//! Numbers in Nastran's spelling: `12`, `7.0`, `1.5-3` for 1.5e-3, `1.D+2`.
+//! Reads numbers in Nastran's spelling: `12`, `7.0`, `1.5-3` for 1.5e-3, `1.D+2`.
 //!
-//! [`real`] reads a number of any length. [`small_whole`] and [`small_real`] read plain numbers in a field of eight columns; they treat
-//! the field as one 64-bit word, without a loop over its characters.
+//! [`real`] reads a number of any length. [`small_whole`] and [`small_real`] read plain numbers in a field of eight columns. They treat the
+//! field as one 64-bit word, without a loop over its characters.
 
 use crate::{NumberFault, number};
 
-/// The float nearest to the text; a sign after the first character starts the exponent.
+/// The nearest float to the number in the text. A sign after the first character starts the exponent.
 pub(in crate::deck) fn real(word: &[u8]) -> Result<f64, NumberFault> {
     let bare_exponent = word.iter().skip(1).position(|byte| matches!(byte, b'+' | b'-'));
     let Some(sign) = bare_exponent.map(|at| at + 1) else { return plain(word) };
@@ -15,7 +15,7 @@ pub(in crate::deck) fn real(word: &[u8]) -> Result<f64, NumberFault> {
     plain(&[&word[..sign], b"e", &word[sign..]].concat())
 }
 
-/// The float of a text with an ordinary exponent; `inf` and `nan` are words here, not numbers.
+/// The float for a text with an ordinary exponent. `inf` and `nan` count as words, not numbers.
 fn plain(word: &[u8]) -> Result<f64, NumberFault> {
     let digits = word.iter().any(u8::is_ascii_digit);
     let letters = word.iter().any(|byte| byte.is_ascii_alphabetic() && !b"eEdD".contains(byte));
@@ -33,13 +33,13 @@ pub const BLANK: SmallField = [b' '; 8];
 const ZEROS: u64 = u64::from_le_bytes([b'0'; 8]);
 const LOW: u64 = u64::from_le_bytes([0x7f; 8]);
 
-/// A whole number; `None` for anything else, a blank field included.
+/// Reads a whole number. `None` for any other text and for a blank field.
 pub fn small_whole(field: SmallField) -> Option<u32> {
     let (text, length) = small_text(field);
     small_digits(text, length)
 }
 
-/// `[-]digits[.digits]`, the nearest float; `None` for anything else, such as a number with an exponent.
+/// Reads `[-]digits[.digits]` as the nearest float. `None` for any other text, such as a number with an exponent.
 pub fn small_real(field: SmallField) -> Option<f64> {
     const TENS: [f64; 8] = [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7];
     let (mut text, mut length) = small_text(field);
@@ -47,7 +47,7 @@ pub fn small_real(field: SmallField) -> Option<f64> {
     (text, length) = (text >> (8 * u32::from(is_negative)), length - u32::from(is_negative));
     let point = small_point(text).min(length);
     let decimals = length.saturating_sub(point + 1);
-    // Remove the point: shift the characters behind it by one.
+    // Remove the decimal point: shift the characters after it by one.
     let before = 1_u64.checked_shl(8 * point).map_or(u64::MAX, |bit| bit - 1);
     let text = if point < length { (text & before) | (text >> 8 & !before) } else { text };
     let whole = small_digits(text, length - u32::from(point < length))?;
@@ -56,34 +56,34 @@ pub fn small_real(field: SmallField) -> Option<f64> {
     Some(if is_negative { -size } else { size })
 }
 
-/// The field without surrounding blanks as a word, with the first character in the lowest byte, and its length.
+/// The text of the field without surrounding blanks, and its length. The text is a 64-bit word with the first character in the lowest byte.
 fn small_text(field: SmallField) -> (u64, u32) {
     let bits = u64::from_le_bytes(field);
     let filled = bits ^ u64::from_le_bytes(BLANK);
     let (start, end) = (filled.trailing_zeros() / 8, 8 - filled.leading_zeros() / 8);
-    // A blank field has length 0.
+    // For a blank field, this gives length 0.
     let length = end.saturating_sub(start);
     let text = bits.checked_shr(8 * start).unwrap_or(0);
     (text & (u64::MAX >> (8 * (8 - length)).min(63)), length)
 }
 
-/// Index of the first decimal point; 8 without one.
+/// Index of the first decimal point; 8 if there is none.
 fn small_point(text: u64) -> u32 {
     let other = text ^ u64::from_le_bytes([b'.'; 8]);
-    // The highest bit of each byte of `zero` is set exactly if that byte of `other` is zero.
+    // The highest bit of a byte of `zero` is set exactly if that byte of `other` is zero, that is, a decimal point.
     let zero = !(((other & LOW) + LOW) | other | LOW);
     zero.trailing_zeros() / 8
 }
 
-/// The number that the first `count` characters spell; `None` unless all of them are digits.
+/// The number that the first `count` characters of `text` spell; `None` unless all of them are digits.
 fn small_digits(text: u64, count: u32) -> Option<u32> {
     if count == 0 {
         return None;
     }
-    // Pad with leading zeros to eight digits, the last digit in the highest byte.
+    // Pad the number with leading zeros to eight digits. The last digit is then in the highest byte.
     let all = (text << (8 * (8 - count))) | ZEROS.checked_shr(8 * count).unwrap_or(0);
     let high = 0xf0f0_f0f0_f0f0_f0f0;
-    // A byte is a digit exactly if its upper half is 3, both before and after adding 6.
+    // A byte is a digit if and only if its upper half is 3, both before and after adding 6.
     if (all & high) | (all.wrapping_add(0x0606_0606_0606_0606) & high) >> 4 != 0x3333_3333_3333_3333 {
         return None;
     }
@@ -122,7 +122,7 @@ mod tests {
         assert_eq!(real(b"1.-400"), Err(NumberFault::Underflow));
     }
 
-    /// The text at every possible position in a field.
+    /// All fields of eight columns that hold this text, at each possible position.
     fn fields(text: &str) -> impl Iterator<Item = SmallField> {
         let places = 0..=8 - text.len();
         places.map(move |place| {

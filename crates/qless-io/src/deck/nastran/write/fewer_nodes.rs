@@ -5,7 +5,7 @@ use crate::deck::nastran::cards::elements::NastranElement;
 use crate::deck::nastran::cards::ties::{TieCard, Ties};
 use crate::deck::nastran::syntax::lines::FileLine;
 
-/// The `RBE2` cards, by file and line, each with a function that writes it with other dependent points.
+/// The file and line of each `RBE2` card, with a function that writes the card with other dependent points.
 pub fn with_points(ties: &Ties) -> impl Iterator<Item = (FileLine, impl Fn(&[u32]) -> String)> {
     ties.iter().filter_map(|tie| match tie {
         TieCard::Element(NastranElement::Star(star), place) => {

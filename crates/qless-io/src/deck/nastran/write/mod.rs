@@ -1,5 +1,5 @@
-//! Writes a deck with changed constraints: comments replace removed cards, and new equations become `MPC` cards in sets that the
-//! load cases select.
+//! Writes a deck with changed constraints. Comments replace removed cards. New equations become `MPC` cards in sets that the load cases
+//! select.
 
 mod fewer_nodes;
 mod select;
@@ -19,7 +19,7 @@ use crate::deck::{Deck, Model};
 use select::TextChange;
 use target::EquationGroup;
 
-/// The main file with the changes of the plan. It contains the text of included files that change.
+/// Returns the text of the main file with the changes of the plan. The text of included files that change becomes part of it.
 pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
     let cases = deck.model.cases.len();
     let mut groups: Vec<EquationGroup> = Vec::new();
@@ -33,9 +33,10 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
     write_groups(deck, &plan.removed, &groups)
 }
 
-/// The main file without the cards of removed equations, and with the new equations of each group in its load cases only.
+/// Returns the text of the main file without the cards of removed equations. It has the new equations of each group, which hold only in the
+/// load cases of that group.
 ///
-/// A card is removed from all load cases. The groups must contain the equations that some load cases still need.
+/// A removed card no longer holds in any load case. So the groups must contain its equations for the load cases that still need them.
 pub fn write_groups(deck: &Deck, removed: &[Removed], groups: &[EquationGroup]) -> Result<Vec<u8>, CleanError> {
     let content = deck.again(read)?;
     let is_written = groups.iter().any(|(_, written)| !written.is_empty());
@@ -50,7 +51,7 @@ pub fn write_groups(deck: &Deck, removed: &[Removed], groups: &[EquationGroup]) 
     Ok(NastranWriter { deck, content: &content, changes: &changes }.file(0, false))
 }
 
-/// A comment in place of each removed card. It gives the reason of one of its equations, preferably a fault.
+/// The comments that replace the removed cards. A comment gives the reason of one of the card's equations, preferably a fault.
 fn comments(model: &Model, content: &NastranContent, removed: &[Removed], is_written: bool) -> Vec<TextChange> {
     let mut texts: BTreeMap<FileLine, (u32, String)> = BTreeMap::new();
     for removed in removed {
@@ -74,7 +75,7 @@ fn comments(model: &Model, content: &NastranContent, removed: &[Removed], is_wri
     texts.into_iter().map(|(at, (lines, text))| (at, lines, text)).chain(continuations).collect()
 }
 
-/// Replaces a continuation line that other cards separate from its card.
+/// The comment that replaces a continuation line of a removed card, if other cards separate the line from the card.
 const CONTINUED: &str = "$ qless: continuation of a removed card\n";
 
 /// A comment line with the reason why a card was removed.
@@ -84,7 +85,7 @@ fn comment(model: &Model, removed: &Removed, is_written: bool) -> String {
     format!("$ qless: {place} {}\n", reason(model, removed, now))
 }
 
-/// Refuses to write new cards into a file that is included more than once: they would be repeated.
+/// Refuses to write new cards into a file that is included more than once, because the cards would then occur more than once.
 fn check_included_once(content: &NastranContent, (file, line): FileLine, deck: &Deck) -> Result<(), CleanError> {
     match content.landmarks.includes.iter().filter(|include| include.inner == file).count() {
         0 | 1 => Ok(()),
@@ -96,7 +97,7 @@ fn check_included_once(content: &NastranContent, (file, line): FileLine, deck: &
     }
 }
 
-/// The place of new cards: after `BEGIN BULK`, or at the end of a deck without it.
+/// The place of new cards: after `BEGIN BULK`, or at the end of a deck that has no `BEGIN BULK`.
 fn place_of_new(content: &NastranContent) -> FileLine {
     content.landmarks.bulk.or(content.landmarks.end).unwrap_or((0, u32::MAX))
 }
@@ -125,7 +126,8 @@ struct NastranWriter<'a> {
 }
 
 impl NastranWriter<'_> {
-    /// A file with its changes. If it becomes part of another file, so do all files that it includes.
+    /// The text of a file with its changes. If the text becomes part of another file (`is_embedded`), the files that it includes become
+    /// part of it too.
     fn file(&self, file: u32, is_embedded: bool) -> Vec<u8> {
         let mut edits = Edits::default();
         for ((_, line), lines, text) in self.changes.iter().filter(|((of, _), ..)| *of == file) {
@@ -148,7 +150,7 @@ impl NastranWriter<'_> {
         text
     }
 
-    /// Whether a file or one that it includes changes. The deck could be read, so the recursion ends.
+    /// Whether a file changes, or a file that it includes. The recursion ends, because the deck could be read.
     fn is_changed(&self, file: u32) -> bool {
         let includes = || self.content.landmarks.includes.iter().filter(|include| include.file == file);
         self.changes.iter().any(|((of, _), ..)| *of == file) || includes().any(|include| self.is_changed(include.inner))
@@ -167,13 +169,13 @@ mod tests {
             .unwrap_or_else(|e| panic!("{e}"))
     }
 
-    /// `u1 - u2 = 0` for two points.
+    /// The equation `u_a - u_b = 0` for component 1 of two points.
     fn tie(a: u32, b: u32) -> Written {
         let dof = |node| Dof { node, component: 1 };
         Written { slave: dof(a), terms: vec![(dof(b), -1.0)], rhs: 0.0, cases: Cases::All }
     }
 
-    /// The equations of each case, as the nodes that they tie.
+    /// The equations of each load case, each given by the two nodes that it ties.
     fn ties(deck: &Deck) -> Vec<Vec<[u32; 2]>> {
         let nodes = |i: usize| [0, 1].map(|k| deck.model.dofs[deck.model.nth(i).columns[k] as usize].node);
         deck.model.cases.iter().map(|case| deck.model.in_force(case).map(nodes).collect()).collect()

@@ -1,23 +1,23 @@
-//! Changes to case control and to `MPCADD` cards, so that each load case selects its sets.
+//! Changes case control and `MPCADD` cards, so that each load case selects its sets.
 
 use super::target::MpcTargets;
 use crate::deck::nastran::control::subcases::{CaseControl, SetChoice, SubcaseLeaf};
 use crate::deck::nastran::reader::NastranContent;
 use crate::deck::nastran::syntax::lines::FileLine;
 
-/// First line, number of removed lines, and the text that replaces them.
+/// A change of the text: the first line, the number of lines that are removed there, and the text that replaces them.
 pub type TextChange = (FileLine, u32, String);
 
-/// Fields of a line, and columns of a field.
+/// Number of data fields on a line, and also the number of columns of a field.
 const FIELD: usize = 8;
 
-/// All changes to selections and unions.
+/// All changes to the selections of sets and to unions.
 pub fn changes(content: &NastranContent, targets: &MpcTargets) -> Vec<TextChange> {
     let mut changes = unions(content, targets);
     let Some(control) = &content.control else { return changes };
     if let (Some(set), Some(at)) = (targets.common(), content.landmarks.control) {
         changes.push((at, 0, format!("$ qless: selects the equations written below\nMPC = {set}\n")));
-        // The existing choices have no effect, but one further down would override the new choice.
+        // None of the existing choices has an effect, but one that stands further down would override the new choice.
         changes.extend(control.mpc_choices.iter().map(|(_, choice)| removed(choice, "another set is selected")));
         return changes;
     }
@@ -38,7 +38,7 @@ pub fn changes(content: &NastranContent, targets: &MpcTargets) -> Vec<TextChange
     }
     for (holder, choice) in control.mpc_choices.iter().filter(dead) {
         let (at, lines, mut text) = removed(choice, "the set has no cards left");
-        // Without a choice of its own, the subcase would inherit the common one.
+        // Without a choice of its own, the subcase would inherit the choice before the first subcase.
         text.push_str(if *holder > 0 && is_used { "MPC = 0\n" } else { "" });
         changes.push((at, lines, text));
     }
@@ -50,7 +50,7 @@ fn is_in_use(common: SetChoice, control: &CaseControl) -> bool {
     control.cases().iter().flatten().any(|leaf| leaf.selection.mpc == Some(common))
 }
 
-/// Lets a subcase or step select a set instead of its own choices.
+/// Lets a subcase or step select this set in place of its own choices.
 fn select(leaf: &SubcaseLeaf, set: u32, control: &CaseControl) -> Vec<TextChange> {
     const WHY: &str = "$ qless: selects the equations written below\n";
     let own = control.mpc_choices.iter().filter(|(holder, _)| *holder == leaf.holder);
@@ -58,7 +58,7 @@ fn select(leaf: &SubcaseLeaf, set: u32, control: &CaseControl) -> Vec<TextChange
     match (changes.last_mut(), control.opened(leaf.holder)) {
         (Some((.., text)), _) => text.extend([WHY, "MPC = ", &set.to_string(), "\n"]),
         (None, Some((file, line))) => changes.push(((file, line + 1), 0, format!("{WHY}MPC = {set}\n"))),
-        // `changes` handles a deck without subcases and without choices before this.
+        // This does not happen: `changes` has already handled a deck without subcases and without choices.
         (None, None) => {}
     }
     changes
@@ -68,7 +68,7 @@ fn removed(choice: &SetChoice, why: &str) -> TextChange {
     ((choice.file, choice.line), 1, format!("$ qless: MPC = {} removed, as {why}\n", choice.set))
 }
 
-/// Replaces unions that contain sets without cards.
+/// Replaces the unions that contain sets without cards by unions of the other sets.
 fn unions(content: &NastranContent, targets: &MpcTargets) -> Vec<TextChange> {
     let mut changes = Vec::new();
     for (&set, cards) in &content.bulk.mpc_unions {
@@ -82,12 +82,12 @@ fn unions(content: &NastranContent, targets: &MpcTargets) -> Vec<TextChange> {
     changes
 }
 
-/// An `MPCADD` card.
+/// The text of an `MPCADD` card.
 pub fn union(set: u32, members: &[u32]) -> String {
     small_field("MPCADD", [set].iter().chain(members).map(u32::to_string))
 }
 
-/// A card in small field.
+/// The text of a card in small field, with continuation lines if needed.
 pub fn small_field(name: &str, fields: impl Iterator<Item = String>) -> String {
     let mut text = format!("{name:FIELD$}");
     for (k, field) in fields.enumerate() {

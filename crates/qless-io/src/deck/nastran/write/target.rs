@@ -1,7 +1,7 @@
 //! Chooses the set of the new `MPC` cards of each group of load cases, and the new selection of every load case.
 //!
-//! The set is one that exactly the load cases of the group select, or else a new one. A load case that also needs cards of its old sets
-//! selects a new union of the old sets and this one.
+//! If some set is selected by exactly the load cases of the group, the new cards join it. Otherwise they get a new set. A load case that
+//! also needs cards of its old sets selects a new union of the old sets and the new one.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,18 +11,18 @@ use crate::deck::nastran::control::selected::selections;
 use crate::deck::nastran::reader::NastranContent;
 use crate::deck::{Deck, Model};
 
-/// Load cases by their index in the model, and the new equations that hold in exactly these.
+/// A group: load cases, by their index in the model, and the new equations that hold in exactly these load cases.
 pub type EquationGroup = (Vec<usize>, Vec<Written>);
 
-/// Sets of the new cards, and selections of the load cases.
+/// The sets of the new cards, and which sets the load cases select.
 pub struct MpcTargets<'a> {
-    /// The set of each group that writes equations.
+    /// For each group with new equations: the number of its set, and the equations.
     pub cards: Vec<(u32, &'a [Written])>,
-    /// New unions.
+    /// The number of each new union, by the sets that it unites.
     pub unions: BTreeMap<Vec<u32>, u32>,
-    /// The MPC set that each load case selects before and after.
+    /// For each load case, the MPC set that it selects before the change and after it.
     pub selected: Vec<(Option<u32>, Option<u32>)>,
-    /// Sets whose cards are all removed, and unions of such sets only.
+    /// Sets that have lost all their cards, and unions that contain only such sets.
     pub dead: BTreeSet<u32>,
 }
 
@@ -72,14 +72,14 @@ impl<'a> MpcTargets<'a> {
         Ok(targets)
     }
 
-    /// The new set that all load cases select, if none of them selected any set before.
+    /// The new set that all load cases select; `None` if they select different ones, or if some load case selected a set before.
     pub fn common(&self) -> Option<u32> {
         let (_, first) = *self.selected.first()?;
         first.filter(|_| self.selected.iter().all(|&(before, after)| before.is_none() && after == first))
     }
 }
 
-/// MPC selections of the load cases, and the sets in each.
+/// The MPC set that each load case selects, and the elementary sets in it.
 struct SelectedSets {
     sets: Vec<Option<u32>>,
     members: Vec<BTreeSet<u32>>,
@@ -90,13 +90,13 @@ impl SelectedSets {
         let mut unused = Model::new(Vec::new());
         let chosen = selections(content.control.as_ref(), &content.bulk, &mut unused);
         let sets: Vec<Option<u32>> = chosen.iter().map(|(_, choice)| choice.mpc.map(|choice| choice.set)).collect();
-        // The model could be built, so no union contains itself.
+        // There is no error here: the model could be built, so no union contains itself.
         let members_of = |set: &Option<u32>| set.map(|set| members(set, &content.bulk.mpc_unions).unwrap_or_default());
         let members = sets.iter().map(|set| members_of(set).unwrap_or_default()).collect();
         Self { sets, members }
     }
 
-    /// A set that all of these load cases contain and no other does.
+    /// A set that belongs to all of these load cases and to no other one.
     fn own_set(&self, cases: &[usize]) -> Option<u32> {
         let (inside, outside): (Vec<usize>, Vec<usize>) =
             (0..self.members.len()).partition(|case| cases.contains(case));
@@ -109,7 +109,7 @@ impl SelectedSets {
     }
 }
 
-/// Sets that keep a card.
+/// The sets of the `MPC` cards that are not removed.
 fn kept(content: &NastranContent, deck: &Deck, removed: &[Removed]) -> impl Iterator<Item = u32> {
     let place = |removed: &Removed| {
         let origin = deck.model.nth(removed.equation).origin;
@@ -119,7 +119,7 @@ fn kept(content: &NastranContent, deck: &Deck, removed: &[Removed]) -> impl Iter
     content.bulk.ties.mpcs().filter(move |card| !gone.contains(&(card.file, card.line))).map(|card| card.set)
 }
 
-/// Sets whose cards are all removed, and unions of such sets only.
+/// The sets that have lost all their cards, and the unions that contain only such sets.
 fn dead(content: &NastranContent, kept: &BTreeSet<u32>) -> BTreeSet<u32> {
     let mut dead: BTreeSet<u32> =
         content.bulk.ties.mpcs().map(|card| card.set).filter(|set| !kept.contains(set)).collect();
@@ -133,7 +133,7 @@ fn dead(content: &NastranContent, kept: &BTreeSet<u32>) -> BTreeSet<u32> {
     dead
 }
 
-/// The largest number of an MPC set, defined or selected; 0 if there is none.
+/// The largest number of an MPC set that the deck defines or selects; 0 if there is none.
 fn last_set(content: &NastranContent) -> u32 {
     let own = content.bulk.ties.mpcs().map(|card| card.set);
     let unions = content.bulk.mpc_unions.iter();

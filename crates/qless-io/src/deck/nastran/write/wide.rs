@@ -2,10 +2,10 @@
 
 use crate::deck::clean::Written;
 
-/// Columns of a number.
+/// Number of columns of a number.
 const NUMBER: usize = 16;
 
-/// `MPC* set, G1, C1, A1, G2, C2, A2, ...`, two terms in two lines, the slave first.
+/// The text of `MPC* set, G1, C1, A1, G2, C2, A2, ...`. Each pair of lines holds two terms; the slave comes first.
 pub fn mpc(set: u32, written: &Written) -> String {
     let slave = std::iter::once((written.slave, 1.0));
     let fields: Vec<String> = slave
@@ -21,7 +21,7 @@ pub fn mpc(set: u32, written: &Written) -> String {
     text
 }
 
-/// The number in at most 16 columns: exact if possible, else the nearest that fits.
+/// Writes the number in at most 16 columns: exactly if possible, or else the nearest number that fits.
 fn number(value: f64) -> String {
     let exact = [nastran(&format!("{value:?}")), nastran(&format!("{value:e}"))];
     if let Some(text) = exact.into_iter().filter(|text| text.len() <= NUMBER).min_by_key(String::len) {
@@ -35,7 +35,7 @@ fn number(value: f64) -> String {
         .unwrap_or_else(|| "0.".into())
 }
 
-/// Nastran's short form: `-.5` for `-0.5`, `1.-7` for `1e-7`, `12.` for `12`.
+/// Shortens a number to Nastran's form: `-.5` for `-0.5`, `1.-7` for `1e-7`, `12.` for `12`.
 fn nastran(text: &str) -> String {
     let (mantissa, exponent) = text.split_once('e').unwrap_or((text, ""));
     let point = if mantissa.contains('.') { "" } else { "." };
