@@ -24,7 +24,8 @@ fn ranges(count: usize) -> impl Iterator<Item = Range<usize>> {
     (0..count).step_by(AT_ONCE).map(move |first| first..count.min(first + AT_ONCE))
 }
 
-/// One task for each range of linear rows, `of_linear(rows, c)`, and for each range of items, `of_items(batch, items, c, G)`.
+/// Makes one task for each range of linear rows, which calls `of_linear(rows, c)`, and one for each range of items, which calls
+/// `of_items(batch, items, c, G)`.
 pub fn value_tasks<'a>(
     (linear, batches): (&LinearEquations, &'a [Box<dyn NonlinearBatch>]),
     (c, g): (&'a mut [f64], &'a mut Csr),

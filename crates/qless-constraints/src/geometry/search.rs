@@ -54,7 +54,7 @@ pub struct Nearest {
     pub face: usize,
     /// Distance from the point to the face. In a solid that contains the point it is zero up to rounding.
     pub distance: f64,
-    /// `N_k` at the nearest point, one for each node of the face. Weights below 8 units in the last place of the
+    /// The shape functions `N_k` at the nearest point, one for each node of the face. Weights below 8 units in the last place of the
     /// largest are exactly zero; the sum is one, up to two units of rounding per weight.
     pub weights: Vec<f64>,
 }
@@ -82,7 +82,7 @@ pub enum SearchError {
         node: usize,
         /// The nearest face, from 1.
         face: usize,
-        /// Its distance.
+        /// Distance from the node to this face.
         distance: f64,
         /// Largest allowed distance.
         tolerance: f64,

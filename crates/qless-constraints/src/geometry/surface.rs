@@ -63,7 +63,7 @@ pub enum SurfaceError {
     Nodes {
         /// The face, from 1.
         face: usize,
-        /// Its shape.
+        /// Shape of the face.
         shape: Shape,
         /// Number of nodes given.
         found: usize,

@@ -245,7 +245,7 @@ impl ConstraintSet {
         linear.replace(number, contents.equations, names, *time);
         let pairs = contents.pieces.into_iter().zip(places);
         pairs.for_each(|(piece, place)| piece.overwrite(number, names, place, nonlinear));
-        // An evaluation keeps the coefficients of linear equations until the pattern is renewed.
+        // An evaluation keeps the coefficients of linear equations until the pattern is renewed, so it is renewed here.
         self.pattern.renew();
         self.version.renew();
         Ok(())

@@ -62,7 +62,7 @@ impl<Q: Nonlinear> TypedBatch<Q> {
         self.owners.insert(i, owner);
     }
 
-    /// Writes c and the Jacobian of items of N DOFs, so that loops have a fixed length.
+    /// Writes c and the Jacobian of items with N DOFs each. N is a constant, so that loops have a fixed length.
     fn evaluate_fixed<const N: usize>(&self, items: Range<usize>, u: &[f64], c: &mut [f64], g: &mut [f64]) {
         let rows = Q::EQUATION_NAMES.len();
         let dofs = self.dofs[N * items.start..N * items.end].as_chunks::<N>().0;
@@ -74,7 +74,7 @@ impl<Q: Nonlinear> TypedBatch<Q> {
         }
     }
 
-    /// Calls `of(item, DOFs, c, Jacobian)` for some items.
+    /// Calls `of(item, c, Jacobian)` for some items, and sorts the rows of each Jacobian by column.
     fn for_each(
         &self,
         items: Range<usize>,
