@@ -9,7 +9,7 @@ use crate::set::ConstraintSet;
 /// The results of an evaluation, with the patterns of the set at that time. Other sets refuse them.
 #[derive(Clone, Debug)]
 pub struct Evaluation {
-    /// The set that allocated it.
+    /// The set that allocated this evaluation.
     set: Identity,
     /// The configuration of the last evaluation of c and G.
     pub(super) u: Vec<f64>,

@@ -44,7 +44,7 @@ impl ConstraintIds {
 
     /// All constraints, in order.
     pub fn iter(self) -> impl ExactSizeIterator<Item = ConstraintId> + DoubleEndedIterator {
-        // The exact length of an iterator is a `usize`.
+        // `ExactSizeIterator` needs a range of `usize`.
         (0..self.count as usize).map(move |i| ConstraintId { set: self.set, number: self.first + i as u32 })
     }
 }

@@ -95,7 +95,7 @@ pub enum DrivenError {
 }
 
 impl Driven {
-    /// `sum_j a_j u_j = b(t)`.
+    /// The equation `sum_j a_j u_j = b(t)` with the terms `(j, a_j)` and the right-hand side b.
     pub fn new(
         terms: impl IntoIterator<Item = (usize, f64)>,
         rhs: impl Fn(f64) -> f64 + Send + Sync + 'static,
@@ -135,7 +135,7 @@ impl Constraint for Driven {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prescribed {
-    /// `(DOF, value)`.
+    /// Pairs `(DOF, value)`.
     pub values: Vec<(usize, f64)>,
 }
 

@@ -1,4 +1,4 @@
-//! `G = dc/du` and `H = d(G^T w)/du`.
+//! Checks `G = dc/du` and `H = d(G^T w)/du` with weights w.
 
 use super::every_type::{DOFS, random, set};
 

@@ -1,4 +1,4 @@
-//! Rounding bounds of c and G against double-double arithmetic, with DOFs moved within their uncertainty.
+//! Compares rounding bounds of c and G with double-double arithmetic, with DOFs moved within their uncertainty.
 //!
 //! The errors are those of [`crate::ConstraintSet::evaluate`], so that formulas written by hand must meet the bounds of the general evaluation.
 

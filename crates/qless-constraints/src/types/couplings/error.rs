@@ -65,7 +65,7 @@ pub enum CouplingError {
     Weight {
         /// The node, from 1.
         node: usize,
-        /// Its weight.
+        /// Weight of the node.
         weight: f64,
     },
     /// The nodes do not determine the motion of the reference.
@@ -107,7 +107,7 @@ pub enum CouplingError {
     Line {
         /// The line, from 1.
         line: usize,
-        /// What is wrong with it.
+        /// What is wrong with the line.
         fault: LineFault,
     },
     /// A node of the face belongs to no line.
@@ -140,7 +140,7 @@ pub enum LineFault {
     Bent {
         /// The node, from 0, of the surface.
         node: usize,
-        /// Its distance from the line.
+        /// Distance of the node from the line.
         distance: f64,
         /// The length of the line.
         length: f64,
