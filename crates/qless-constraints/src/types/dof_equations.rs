@@ -1,4 +1,5 @@
-//! Linear equations given by DOFs and coefficients: general (Eq. 2 of the paper), driven in time, prescribed values, equal DOFs.
+//! Linear equations given by DOFs and coefficients: general (Eq. 2 in Appl. Sci. 15 (2025) 13059), driven in time, prescribed values, equal
+//! DOFs.
 
 use std::sync::Arc;
 

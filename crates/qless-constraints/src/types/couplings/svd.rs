@@ -8,7 +8,7 @@ type Row6 = [f64; 6];
 /// Maximum number of sweeps; about eight suffice for any matrix.
 const MAX_SWEEPS: usize = 40;
 
-/// The factors. The columns of `scaled` are those of `U S`.
+/// The factors of `A = U S V^T`. The columns of `scaled` are those of `U S`.
 pub struct JacobiSvd {
     pub scaled: Vec<Row6>,
     pub values: Row6,

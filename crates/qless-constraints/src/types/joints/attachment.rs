@@ -108,7 +108,7 @@ impl Body {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyPoint {
     pub(crate) body: Body,
-    /// Its coordinates in the reference configuration.
+    /// Coordinates of the point in the reference configuration.
     pub(crate) at: Vector<f64>,
 }
 

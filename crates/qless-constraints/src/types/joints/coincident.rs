@@ -44,7 +44,7 @@ impl Nonlinear for Coincident {
         }
     }
 
-    /// `[I, d(R_a s_a), -I, -d(R_b s_b)]`.
+    /// Writes `sign (x_a - x_b)` and its Jacobian `sign [I, d(R_a s_a), -I, -d(R_b s_b)]`, where d is the derivative in the rotations.
     fn value_and_jacobian(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
         let (a, b) = u.split_at(self.a.dofs());
         let x_a = self.a.write_slopes(a, self.sign, [0, u.len()], g);

@@ -151,8 +151,8 @@ impl Constraint for Planar {
     }
 }
 
-/// Keeps an axis of each body parallel: `c = beta e`, the rotation vector that rotates `R_a t` to `R_b t`, in the axes
-/// of a. It is perpendicular to t, so c has two components, which are angles.
+/// Keeps an axis t of each body parallel: `c = beta e`, the rotation vector that rotates `R_a t` to `R_b t`, in the axes of a. It is
+/// perpendicular to t, so c has two components, which are angles.
 ///
 /// `beta = acos(R_a t . R_b t)` is in `[0, pi]`, and e is along `t x R_a^T R_b t`. So the axes point the same way, not
 /// in opposite directions. The positions of the bodies do not matter. Within 1e-8 rad of opposite directions the rank of
@@ -197,8 +197,8 @@ impl Constraint for Parallel {
     }
 }
 
-/// An axis of each body, kept perpendicular to each other: `(R_a s) . (R_b t) = 0`, the cosine of their angle. The
-/// positions of the bodies do not matter.
+/// Keeps an axis s of body a and an axis t of body b perpendicular: `(R_a s) . (R_b t) = 0`, the cosine of their angle. The positions of
+/// the bodies do not matter.
 ///
 #[doc = include_str!("../../../docs/pictures/perpendicular.svg")]
 ///
