@@ -1,4 +1,5 @@
-//! Assembles elements into a condensed matrix without K: `K_q += L_e^T K_e L_e`, `f_q += L_e^T (f_e - K_e u_0)`.
+//! Assembles elements into a condensed matrix without K: `K_q += L_e^T K_e L_e`, `f_q += L_e^T (f_e - K_e u_0)`, where `L_e` are the rows
+//! of L for the DOFs of element e.
 
 use std::ffi::{c_int, c_void};
 use std::sync::{Arc, OnceLock};
@@ -9,7 +10,7 @@ use crate::handles::{get, insert, qless_elimination, qless_pattern};
 use crate::pattern::{ElementDofs, HeldPattern, prescribed_dofs, storage};
 use crate::status::{CallFailure, OK, guard};
 
-/// Adds `K_e` by rows and `f_e` of an element to zeros; another result than 0 stops the assembly.
+/// A function of the caller that adds `K_e`, by rows, and `f_e` of an element to arrays of zeros. Another result than 0 stops the assembly.
 #[expect(non_camel_case_types, reason = "a name of C")]
 pub type qless_element = Option<unsafe extern "C" fn(*mut c_void, i64, *mut f64, *mut f64) -> c_int>;
 
@@ -126,7 +127,7 @@ pub unsafe extern "C" fn qless_assemble(
             if stopped.get().is_none() {
                 let e = held.elimination.base.shown(e);
                 let status = unsafe { element(context.get(), e, matrix.as_mut_ptr(), forces.as_mut_ptr()) };
-                // Another thread may have stopped the assembly; its element is as good.
+                // If another thread has stopped the assembly before, its element is reported, which is as good as this one.
                 if status != 0 {
                     _ = stopped.set((e, status));
                 }

@@ -158,19 +158,19 @@ impl PyElimination {
         self.with(py, |elimination| elimination.reduction().growth())
     }
 
-    /// `u = L u_q + u_0`.
+    /// All DOFs `u = L u_q + u_0` from the masters `u_q`.
     fn expand<'py>(&self, py: Python<'py>, masters: Doubles<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let masters = masters.as_array().to_vec();
         self.fill(py, Elimination::dofs, |elimination, u| elimination.expand_into(&masters, u))
     }
 
-    /// `du = L du_q`.
+    /// An increment `du = L du_q` of all DOFs from one of the masters.
     fn expand_increment<'py>(&self, py: Python<'py>, masters: Doubles<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let masters = masters.as_array().to_vec();
         self.fill(py, Elimination::dofs, |elimination, du| elimination.expand_increment_into(&masters, du))
     }
 
-    /// `f_q = L^T f`.
+    /// Forces on the masters, `f_q = L^T f`, from forces f on all DOFs.
     fn restrict<'py>(&self, py: Python<'py>, forces: Doubles<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let forces = forces.as_array().to_vec();
         let masters = |elimination: &Elimination| elimination.masters().len();
@@ -194,7 +194,7 @@ impl PyElimination {
         Ok(found.map_err(self.failed())?.into_pyarray(py))
     }
 
-    /// New b and prescribed values; an error leaves everything as it was.
+    /// Sets new b and prescribed values; an error leaves everything as it was.
     fn update(&self, py: Python<'_>, rhs: Doubles<'_>, prescribed: Doubles<'_>) -> PyResult<()> {
         let (rhs, prescribed) = (rhs.as_array().to_vec(), prescribed.as_array().to_vec());
         let updated = py.detach(|| {

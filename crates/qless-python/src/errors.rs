@@ -41,7 +41,7 @@ fn raise(class: &str, message: String, row: Option<usize>, dof: Option<usize>) -
     })
 }
 
-/// An exception without a row.
+/// An exception without a row and a DOF.
 pub fn plain(class: &str, error: &dyn std::fmt::Display) -> PyErr {
     raise(class, error.to_string(), None, None)
 }

@@ -47,9 +47,9 @@ pub enum VolumeError {
     /// A tetrahedron names a missing node.
     #[error("tetrahedron {tetrahedron}, from 1, names node {node} (from 0), but the patch has {nodes}")]
     NoNode {
-        /// The tetrahedron, from 1.
+        /// Number of the tetrahedron, counted from 1.
         tetrahedron: usize,
-        /// The node, from 0.
+        /// Number of the node, counted from 0.
         node: usize,
         /// Number of nodes of the patch.
         nodes: usize,
@@ -60,7 +60,7 @@ pub enum VolumeError {
          correct its corners or their order"
     )]
     Inverted {
-        /// The tetrahedron, from 1.
+        /// Number of the tetrahedron, counted from 1.
         tetrahedron: usize,
         /// Volume of the tetrahedron.
         volume: f64,
@@ -70,9 +70,9 @@ pub enum VolumeError {
         "tetrahedra {first} and {second}, from 1, lie on the same side of their common face; remove one, or correct its corners"
     )]
     Overlap {
-        /// One tetrahedron, from 1.
+        /// Number of one tetrahedron, counted from 1.
         first: usize,
-        /// The other tetrahedron, from 1.
+        /// Number of the other tetrahedron, counted from 1.
         second: usize,
     },
     /// No tetrahedra.

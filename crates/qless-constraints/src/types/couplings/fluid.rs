@@ -133,7 +133,7 @@ pub enum FluidWallError {
     NoFace {
         /// Shape of the face.
         shape: Shape,
-        /// The face, from 1.
+        /// Number of the face, counted from 1.
         face: usize,
     },
     /// A DOF is used twice.
@@ -141,7 +141,7 @@ pub enum FluidWallError {
         "DOF {dof} of node {node}, from 1, of the fluid also belongs to another node or to the wall; each needs its own"
     )]
     SharedDof {
-        /// The node, from 1.
+        /// Number of the node, counted from 1.
         node: usize,
         /// The DOF.
         dof: usize,
@@ -152,9 +152,9 @@ pub enum FluidWallError {
          {cosine}, below 0.866: split the wall at its edge, with a DOF for each side, or reverse faces that point to the other side"
     )]
     Crease {
-        /// The node, from 1.
+        /// Number of the node, counted from 1.
         node: usize,
-        /// The face, from 1.
+        /// Number of the face, counted from 1.
         face: usize,
         /// Cosine of the angle between the normals.
         cosine: f64,

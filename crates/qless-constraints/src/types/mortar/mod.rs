@@ -136,7 +136,7 @@ pub enum MortarError {
     Dimension {
         /// "slave" or "master".
         side: &'static str,
-        /// The facet, from 1.
+        /// Number of the facet, counted from 1.
         facet: usize,
         /// Shape of the facet.
         shape: Shape,
@@ -146,7 +146,7 @@ pub enum MortarError {
     Facet {
         /// "slave" or "master".
         side: &'static str,
-        /// The facet, from 1.
+        /// Number of the facet, counted from 1.
         facet: usize,
     },
     /// A part of a slave facet has no master facet within the tolerance.
@@ -155,7 +155,7 @@ pub enum MortarError {
         cover_advice(*gap)
     )]
     NotCovered {
-        /// The slave facet, from 1.
+        /// Number of the slave facet, counted from 1.
         facet: usize,
         /// The uncovered area or length.
         bare: f64,
@@ -172,7 +172,7 @@ pub enum MortarError {
          remove facets that are listed twice or lie behind others"
     )]
     Overlap {
-        /// The slave facet, from 1.
+        /// Number of the slave facet, counted from 1.
         facet: usize,
         /// The sum of the areas or lengths of all overlaps with master facets.
         covered: f64,

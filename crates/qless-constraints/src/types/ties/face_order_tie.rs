@@ -188,7 +188,7 @@ pub enum FaceOrderTieError {
     Outside {
         /// Side of the tie.
         side: TieSide,
-        /// The node, from 1.
+        /// Number of the node, counted from 1.
         node: usize,
         /// Parameters `xi, eta` of the node.
         at: [f64; 2],
@@ -206,7 +206,7 @@ pub enum FaceOrderTieError {
         "node {node}, from 1, of the finer side shares DOF {dof} with a different coarser node: a common node has one place and one list of DOFs"
     )]
     Shared {
-        /// The node, from 1.
+        /// Number of the node, counted from 1.
         node: usize,
         /// The DOF, 0-based.
         dof: usize,

@@ -51,7 +51,7 @@ pub enum MacroStrain<const D: usize, const F: usize = D> {
 pub struct Periodic<const D: usize, const F: usize = D> {
     /// The node on one face.
     pub a: Node<D, F>,
-    /// Its image on the opposite face.
+    /// The image of node a on the opposite face.
     pub b: Node<D, F>,
     /// The gradient E.
     pub strain: MacroStrain<D, F>,
