@@ -43,8 +43,8 @@ impl HeldDeck {
         found.ok_or_else(|| CallFailure::input(format!("{what} {number}: there are {}", list.len())))
     }
 
-    /// Analyses a load case. If the prescribed values of one time history alone conflict, although all values at the end do not, the result is
-    /// the analysis of that history, and a remark names it.
+    /// Analyses a load case. If the prescribed values of one time history alone conflict, although all values at the end do not, the result
+    /// is the analysis of that history, and a remark names it.
     fn analyse(&self, case: &LoadCase, options: &qless::Options) -> Result<HeldAnalysis, CallFailure> {
         let model = self.deck.model();
         let (history, found) = model.at_all_times(case, |history| {

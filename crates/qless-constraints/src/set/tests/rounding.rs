@@ -1,6 +1,7 @@
 //! Compares rounding bounds of c and G with double-double arithmetic, with DOFs moved within their uncertainty.
 //!
-//! The errors are those of [`crate::ConstraintSet::evaluate`], so that formulas written by hand must meet the bounds of the general evaluation.
+//! The errors are those of [`crate::ConstraintSet::evaluate`], so that formulas written by hand must meet the bounds of the general
+//! evaluation.
 
 use std::f64::consts::FRAC_PI_2;
 
