@@ -1,4 +1,4 @@
-//! The diagnosis: rank, kinds, explanations, digits.
+//! The diagnosis: rank, kinds of equations, explanations, digits of confidence.
 
 use std::ffi::c_int;
 use std::sync::{Arc, OnceLock};

@@ -88,7 +88,7 @@ pub unsafe extern "C" fn qless_condensed_for_elements_64(
 /// The caller's pointer, which several threads pass to the caller's function.
 struct Context(*mut c_void);
 
-// SAFETY: the library never reads what it points to, and the header requires that the function can be called by several threads at once.
+// SAFETY: the library never reads what the pointer points to, and the header requires that several threads can call the function at once.
 unsafe impl Sync for Context {}
 
 impl Context {
@@ -97,7 +97,7 @@ impl Context {
     }
 }
 
-/// `K_q` and `f_q` from all elements of a pattern that was made by [`qless_condensed_for_elements`].
+/// Assembles `K_q` and `f_q` from all elements of a pattern that was made by [`qless_condensed_for_elements`].
 ///
 /// # Safety
 /// The arrays have the lengths that are given; `element` writes only to its arrays and may be called by several threads at once.

@@ -70,7 +70,7 @@ pub trait Constraint {
 /// are finite.
 const LARGEST: f64 = 1e50;
 /// Repetitions in a list of up to this many entries are found by comparing all entries; longer lists are sorted first. A new statement
-/// about DOFs is compared with this many earlier ones.
+/// about DOFs is compared with up to this many earlier ones.
 const FEW: usize = 16;
 
 /// Receives the linear and nonlinear equations of the constraint that is being added.

@@ -1,5 +1,5 @@
-//! Constraint types of finite-element and multibody models: equations `c(u) = 0`, their Jacobian `G = dc/du`, and their Hessian `H = sum_r
-//! w_r d^2 c_r / du^2` with weights w_r.
+//! Constraint types of finite-element and multibody models: equations `c(u) = 0`, their Jacobian `G = dc/du`, and their Hessian
+//! `H = sum_r w_r d^2 c_r / du^2` with weights w_r.
 //!
 //! A [`ConstraintSet`] holds constraints of any types, from linear equations to the joints of multibody models.
 //!

@@ -12,8 +12,8 @@ pub trait Nonlinear: Send + Sync + Sized + 'static {
     /// For each pair of DOFs, in the order of [`Nonlinear::pairs`], the index of its value in the output of [`Nonlinear::hessian`]. A list
     /// that is shorter than the list of pairs is repeated. If it is empty, each pair has a value of its own.
     ///
-    /// This saves work if many pairs share few values. With the output `v, -v`, the list `[0, 1, 0]` gives six pairs the values `v, -v, v,
-    /// v, -v, v`.
+    /// This saves work if many pairs share few values. With the output `v, -v`, the list `[0, 1, 0]` gives six pairs the values
+    /// `v, -v, v, v, -v, v`.
     const NUMBERS: &'static [usize] = &[];
     /// Whether parameters are functions of time. [`Nonlinear::at_time`] is called only then.
     const DRIVEN: bool = false;
@@ -56,7 +56,7 @@ pub trait Nonlinear: Send + Sync + Sized + 'static {
     /// Like [`Nonlinear::value_and_jacobian`], for any scalar type. If u has error bounds, c and g have them too
     /// ([`crate::ConstraintSet::rounding`]).
     ///
-    /// The default uses dual numbers, and evaluates c once for every few DOFs. A type whose c is a sum of many terms should override it,
+    /// The default uses dual numbers, and evaluates c once for every few DOFs. For speed, a type whose c is a sum of many terms should override it,
     /// and sum the derivatives of its terms.
     fn jacobian_in<S: Scalar>(&self, u: &[S], c: &mut [S], g: &mut [S]) {
         jacobian(self, u, c, g);

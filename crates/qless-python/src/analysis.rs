@@ -67,7 +67,7 @@ impl PyAnalysis {
         (places(py, &dofs), values.into_pyarray(py))
     }
 
-    /// The certificate of a row, and its relative error (0 up to the tolerance).
+    /// The certificate of a row, and its relative error, or 0 if the error is at most the tolerance.
     fn because<'py>(&self, py: Python<'py>, row: usize) -> PyResult<(TermArrays<'py>, f64)> {
         let found = py.detach(|| self.0.because(row).and_then(|found| Ok((found, self.0.because_error(row)?))));
         let (found, error) = found.map_err(|error| argument_error(&error))?;

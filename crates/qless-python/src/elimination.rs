@@ -13,7 +13,7 @@ use crate::system::{IndexArray, RowArrays, indices, places, row_arrays, starts};
 
 type Doubles<'py> = PyReadonlyArray1<'py, f64>;
 
-/// `u = L u_q + u_0`. A thread releases the interpreter lock before it takes a lock of this type, so that no two threads
+/// An elimination, `u = L u_q + u_0`. A thread releases the interpreter lock before it takes a lock of this type, so that no two threads
 /// wait for each other.
 #[pyclass(frozen, name = "Elimination", module = "qless._qless")]
 #[derive(Debug)]
@@ -73,7 +73,7 @@ impl PyElimination {
         places(py, &list)
     }
 
-    /// The pattern for these arrays: the last one if they are the same.
+    /// The pattern for these arrays: the last one, if it was made from the same arrays.
     fn pattern(
         &self,
         starts: Vec<usize>,
@@ -204,7 +204,7 @@ impl PyElimination {
         updated.map_err(self.failed())
     }
 
-    /// `K_q = L^T K L` as compressed lines like those of K, and `f_q = L^T (f - K u_0)`.
+    /// `K_q = L^T K L` in compressed rows or columns, like K, and `f_q = L^T (f - K u_0)`.
     fn condense<'py>(
         &self,
         py: Python<'py>,

@@ -83,7 +83,7 @@ fn reduction_error(error: &ReductionError, names: LabelNames) -> PyErr {
     raise("ReductionError", names.explain(&error.to_string(), row, dof), row, dof)
 }
 
-/// `Conflict` carries its rows alone; the package adds the explanations.
+/// The exception `Conflict` carries only the conflicting rows; the Python package adds the explanations.
 pub fn elimination_error(error: &EliminationError, names: LabelNames) -> PyErr {
     match error {
         EliminationError::Conflicting { rows, .. } => Python::attach(|py| {

@@ -21,9 +21,9 @@ pub struct HessianPlan {
     col: Vec<u32>,
     /// Index in `terms` of the first term of each entry, and at the end the number of terms.
     first: Vec<u32>,
-    /// Index of each term in the list of Hessian numbers.
+    /// Index of each term in the list of the numbers that [`crate::Nonlinear::hessian`] computes for all items.
     terms: Vec<u32>,
-    /// Length of the list of Hessian numbers of all batches.
+    /// Length of the list of the numbers that [`crate::Nonlinear::hessian`] computes for all items.
     pub numbers: usize,
 }
 
@@ -84,7 +84,7 @@ impl HessianPlan {
     }
 }
 
-/// Calls `entry(row, column, number)` for all items; returns how many numbers they have.
+/// Calls `entry(row, column, number)` for the contributions of all items to H; returns how many numbers the items have.
 fn for_each_entry(batches: &[Box<dyn NonlinearBatch>], mut entry: impl FnMut(u32, u32, u32)) -> usize {
     batches.iter().fold(0, |first, batch| {
         batch.entries(first, &mut entry);

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::equations::linear::LinearEquations;
 use crate::equations::nonlinear::NonlinearBatch;
 
-/// Largest number of linear equations, or of items, that one task evaluates.
+/// Largest number of linear equations, or of nonlinear items, that one task evaluates.
 const AT_ONCE: usize = 1024;
 
 /// A piece of work with the slices that it writes.
@@ -49,7 +49,7 @@ pub fn value_tasks<'a>(
     tasks
 }
 
-/// The tasks that write the Hessian numbers of all items; `weights` are those of all nonlinear equations.
+/// The tasks that write the numbers of [`crate::Nonlinear::hessian`] for all items; `weights` are those of all nonlinear equations.
 pub fn number_tasks<'a>(
     batches: &'a [Box<dyn NonlinearBatch>],
     u: &'a [f64],

@@ -76,8 +76,8 @@ impl Polynomials {
         }
     }
 
-    /// Exponents `(i, j)`. The set contains all lower exponents, so that products of Legendre polynomials span the
-    /// same space.
+    /// Exponents `(i, j)`. With each pair, the set contains all pairs with lower exponents, so that products of Legendre polynomials span
+    /// the same space.
     fn exponents(self) -> impl Iterator<Item = (usize, usize)> {
         let p = self.degree();
         (0..=p).flat_map(move |j| (0..=p).map(move |i| (i, j))).filter(move |&(i, j)| self.has(i, j))

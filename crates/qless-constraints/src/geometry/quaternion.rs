@@ -74,8 +74,8 @@ impl BodyQuaternion {
         Self { kind, theta, q: [1.0 - quarter * b[0], x, y, z], a }
     }
 
-    /// Gradient of `r . q` in the rotation DOFs, for a constant `r = (r_0, r_v)`. For a rotation vector theta it is `A r_v + (2 A'
-    /// r_v.theta - A r_0 / 2) theta`, where `A = sin(t / 2) / t`, `t = |theta|`, and A' is the derivative of A in `t^2`.
+    /// Gradient of `r . q` in the rotation DOFs, for a constant `r = (r_0, r_v)`. For a rotation vector theta it is
+    /// `A r_v + (2 A' r_v.theta - A r_0 / 2) theta`, where `A = sin(t / 2) / t`, `t = |theta|`, and A' is the derivative of A in `t^2`.
     #[inline]
     pub fn gradient(&self, r: Quaternion<f64>, out: &mut [f64]) {
         match self.kind {

@@ -48,7 +48,7 @@ pub fn by_vector<S: Scalar>(theta: Vector<S>, s: Vector<f64>) -> Vector<S> {
     add(s, add(scale(sine, once), scale(versine, twice)))
 }
 
-/// The factors of rotations as functions of `y = t^2`.
+/// The factors of rotation vectors as functions of `y = t^2`, where t is the angle of rotation.
 #[derive(Clone, Copy)]
 enum Factor {
     /// `sin t / t`.

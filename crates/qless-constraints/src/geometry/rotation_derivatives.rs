@@ -1,8 +1,8 @@
 //! `phi = m . (R s)` with its gradient and Hessian in the rotations of a body, in closed form.
 //!
-//! With `n = s x m`, Euler parameters `p = (e0, e)` give `phi = (e0^2 - e.e) m.s + 2 (e.s)(e.m) + 2 e0 e.n`. A rotation vector, with `y =
-//! theta.theta` and the factors a and b of Rodrigues' formula, gives `phi = m.s + a(y) alpha + b(y) beta`, `alpha = theta.n`, `beta =
-//! (m.theta)(s.theta) - y m.s`.
+//! With `n = s x m`, Euler parameters `p = (e0, e)` give `phi = (e0^2 - e.e) m.s + 2 (e.s)(e.m) + 2 e0 e.n`. A rotation vector, with
+//! `y = theta.theta` and the factors a and b of Rodrigues' formula, gives `phi = m.s + a(y) alpha + b(y) beta`, `alpha = theta.n`,
+//! `beta = (m.theta)(s.theta) - y m.s`.
 
 use super::rodrigues::factors;
 use super::rotation::RotationKind;
@@ -85,7 +85,8 @@ pub fn hessian(kind: RotationKind, u: &[f64], s: Vector<f64>, m: Vector<f64>, ou
     }
 }
 
-/// The terms of `phi = m . (R s)` for a rotation vector theta: `phi = m.s + a alpha + b beta`.
+/// The terms of `phi = m . (R s)` for a rotation vector theta: `phi = m.s + a alpha + b beta` with `n = s x m`, `alpha = theta.n` and
+/// `beta = (m.theta)(s.theta) - theta.theta m.s`.
 struct Phi {
     theta: Vector<f64>,
     s: Vector<f64>,
@@ -108,14 +109,14 @@ impl Phi {
         Self { theta, s, m, n, ms, alpha: dot(theta, n), beta: mt * st - y * ms, slope_beta, a, b }
     }
 
-    /// The gradient of phi in theta: `a n + 2 a' alpha theta + b grad beta + 2 b' beta theta`.
+    /// The gradient of phi in theta, in the symbols of [`Phi`]: `a n + 2 a' alpha theta + b grad beta + 2 b' beta theta`.
     fn gradient(&self) -> Vector<f64> {
         let along = 2.0 * (self.a[1] * self.alpha + self.b[1] * self.beta);
         add(add(scale(self.a[0], self.n), scale(self.b[0], self.slope_beta)), scale(along, self.theta))
     }
 
-    /// The Hessian of phi in theta: `q theta^T + theta q^T + b (m s^T + s m^T) + d I` with `d = 2 (a' alpha + b' beta - b m.s)` and `q = 2
-    /// a' n + 2 b' grad beta + 2 (a'' alpha + b'' beta) theta`.
+    /// The Hessian of phi in theta, in the symbols of [`Phi`]: `q theta^T + theta q^T + b (m s^T + s m^T) + d I` with
+    /// `d = 2 (a' alpha + b' beta - b m.s)` and `q = 2 a' n + 2 b' grad beta + 2 (a'' alpha + b'' beta) theta`.
     fn hessian(&self) -> [f64; 6] {
         let (t, s, [a, b]) = (self.theta, self.s, [self.a, self.b]);
         let twice = 2.0 * (a[2] * self.alpha + b[2] * self.beta);

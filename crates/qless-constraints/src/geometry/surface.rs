@@ -17,7 +17,7 @@ use super::shape::Shape;
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Face {
-    /// Its element shape.
+    /// Element shape of the face.
     pub shape: Shape,
     /// Indices into [`Surface::nodes`], from 0, in the order of the shape.
     pub nodes: Vec<usize>,

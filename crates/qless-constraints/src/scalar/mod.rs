@@ -34,7 +34,7 @@ pub(crate) fn complete<'a>(factors: impl Iterator<Item = &'a mut f64>, sum: f64)
     largest.into_iter().filter(|a| **a != 0.0).for_each(|a| *a += missing);
 }
 
-/// Numbers with sums and products: scalars, with or without derivatives, or several scalars side by side.
+/// Numbers with sums and products: scalars, with or without derivatives. A type need not have quotients.
 pub trait Arithmetic:
     Copy + From<f64> + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
 {

@@ -136,7 +136,8 @@ impl ConstraintSet {
 
     /// Replaces the parameters or the type of a constraint. Its label and position stay, and it remains active or inactive.
     ///
-    /// All patterns stay if DOFs, types and numbers of equations are the same.
+    /// G keeps its pattern if DOFs, types and numbers of equations are the same. H keeps it too if the DOF pairs of nonlinear equations are
+    /// the same.
     ///
     /// # Errors
     /// [`ReplaceError`]; the constraint is not changed then.

@@ -14,7 +14,7 @@ pub enum EditError {
     /// The constraint was removed before.
     #[error("constraint {place} (from 0) was removed; add it again, or deactivate constraints that return later")]
     Gone {
-        /// Number of constraints added before it.
+        /// Number of constraints that were added before this one.
         place: usize,
     },
     /// The number of right-hand sides differs from the number of linear equations of the constraint.
@@ -22,9 +22,9 @@ pub enum EditError {
     Count {
         /// Label of the constraint.
         label: String,
-        /// Right-hand sides given.
+        /// Number of right-hand sides given.
         found: usize,
-        /// Linear equations.
+        /// Number of linear equations of the constraint.
         expected: usize,
     },
     /// A right-hand side is not finite.
@@ -84,7 +84,7 @@ pub enum LineariseError {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum AddError<E: std::error::Error + 'static> {
-    /// The type refuses the input.
+    /// The constraint type refuses the input.
     #[error("{name} \"{label}\": {source}")]
     Input {
         /// Name of the constraint type.

@@ -86,7 +86,7 @@ impl ConstraintSet {
         Ok(())
     }
 
-    /// After changes of the set, gives H the pattern of the current equations. Returns their plan.
+    /// After changes of the set, gives H the pattern of the current equations. Returns the plan by which their Hessians are summed.
     pub(super) fn follow_hessian(&self, evaluation: &mut Evaluation) -> &HessianPlan {
         let plan = self.plan();
         if evaluation.patterns[1] != plan.stamp {

@@ -38,7 +38,7 @@ use crate::set::register::ConstraintId;
 #[derive(Clone, Debug, Default)]
 pub struct Inequalities {
     ids: Vec<ConstraintId>,
-    /// Active sets since the last solution.
+    /// The active sets that occurred since the last solution.
     met: HashSet<Vec<bool>>,
     one_by_one: bool,
 }

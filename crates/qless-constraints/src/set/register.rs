@@ -22,7 +22,7 @@ pub struct ConstraintId {
 }
 
 impl ConstraintId {
-    /// Number of constraints added before it.
+    /// Number of constraints that were added before this one.
     pub fn place(self) -> usize {
         self.number as usize
     }
@@ -87,7 +87,7 @@ impl ConstraintRegister {
         ids
     }
 
-    /// The number of a constraint that was not removed.
+    /// The number of a constraint; an error if it was removed or belongs to another set.
     pub fn number(&self, id: ConstraintId) -> Result<u32, EditError> {
         if id.set != self.identity {
             return Err(EditError::Foreign);

@@ -35,7 +35,7 @@ pub struct Distance<P> {
     pub a: P,
     /// The other end.
     pub b: P,
-    /// L, a length; `None` for the distance at u = 0.
+    /// The distance L, a length; `None` for the distance at u = 0.
     pub length: Option<f64>,
 }
 

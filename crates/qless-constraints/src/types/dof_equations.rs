@@ -189,7 +189,7 @@ impl Constraint for Prescribed {
     }
 }
 
-/// Equal DOFs: `u_i - u_0 = 0` for every DOF after the first.
+/// Equal DOFs: `u_i - u_0 = 0` for every listed DOF after the first.
 ///
 #[doc = include_str!("../../docs/pictures/equal.svg")]
 ///

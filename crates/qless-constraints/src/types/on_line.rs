@@ -143,9 +143,9 @@ impl PointFunction for FixedLine {
 
 /// The parameters of a line through two nodes.
 struct MovingLine {
-    /// D, the direction at u = 0.
+    /// D, the direction of the line at u = 0.
     along: Vector<f64>,
-    /// The length at u = 0.
+    /// The length of the line at u = 0.
     length: f64,
     /// Two unit vectors `E_i` perpendicular to D and to each other.
     across: [Vector<f64>; 2],

@@ -16,7 +16,7 @@ use crate::scalar::Bounded;
 #[cfg(test)]
 use crate::scalar::double_double::DoubleDouble;
 
-/// All items of one type.
+/// A batch: all items of one type. An item holds the parameters and the DOFs of one call of [`crate::EquationSink::nonlinear`].
 pub trait NonlinearBatch: Send + Sync {
     fn items(&self) -> usize;
     /// Names of the equations of each item.
@@ -31,12 +31,12 @@ pub trait NonlinearBatch: Send + Sync {
     fn evaluate(&self, items: Range<usize>, u: &[f64], c: &mut [f64], g: &mut [f64]);
     /// Writes bounds on the rounding errors of c and G of some items.
     fn rounding(&self, items: Range<usize>, known: &UncertainDofs, c: &mut [f64], g: &mut [f64]);
-    /// How many Hessian numbers some items have.
+    /// How many numbers [`Nonlinear::hessian`] computes for some items.
     fn numbers(&self, items: Range<usize>) -> usize;
-    /// Calls `entry(row, column, number)` for each contribution to H, where `number` is the index of its Hessian number, counted from
-    /// `first`.
+    /// Calls `entry(row, column, number)` for each contribution to H. `number` is the index of its value in the list of all Hessian
+    /// numbers, in which those of this batch start at `first`.
     fn entries(&self, first: usize, entry: &mut dyn FnMut(u32, u32, u32));
-    /// Writes the Hessian numbers of some items, one item after the other; `w` are the weights of their equations.
+    /// Writes the numbers of [`Nonlinear::hessian`] for some items, one item after the other; `w` are the weights of their equations.
     fn curvatures(&self, items: Range<usize>, u: &[f64], w: &[f64], out: &mut [f64]);
     /// The DOFs of an item.
     fn dofs_of(&self, i: usize) -> &[u32];

@@ -130,8 +130,8 @@ mod tests {
     use super::super::shape::tests::{inside, random};
     use super::*;
 
-    /// `xi(x(xi)) = xi` for every distorted shape, in every unit, also far away. At a corner all other weights are
-    /// exactly zero.
+    /// Projection inverts the map, `xi(x(xi)) = xi`, for every distorted shape, in every unit of length, also far from the origin. At a
+    /// corner, the weights of all other nodes are exactly zero.
     #[test]
     fn maps_are_inverted() {
         for (shape, seed) in Shape::ALL.into_iter().flat_map(|shape| (0..20).map(move |seed| (shape, seed))) {

@@ -53,8 +53,9 @@ fn quadratic<S: Scalar>(a: f64, x: S) -> S {
     if a == 0.0 { bubble(x) } else { side(a, x) * S::from(a) * x }
 }
 
-/// The serendipity function of the node at `place` a in d dimensions. With `side_i = (1 + a_i x_i) / 2`, it is `prod_i side_i * (sum_i a_i
-/// x_i - (d - 1))` at a corner; at a mid-edge node, it is `1 - x^2` along the edge times the sides in the other directions.
+/// The serendipity function of the node at `place` a in d dimensions. With `side_i = (1 + a_i x_i) / 2`, it is
+/// `prod_i side_i * (sum_i a_i x_i - (d - 1))` at a corner; at a mid-edge node, it is `1 - x^2` along the edge times the sides in the other
+/// directions.
 fn serendipity<S: Scalar, const D: usize>(place: [f64; D], xi: [S; D]) -> S {
     let at_edge = place.contains(&0.0);
     let factor = |k: usize| if place[k] == 0.0 { bubble(xi[k]) } else { side(place[k], xi[k]) };
@@ -98,8 +99,8 @@ fn corner<S: Scalar>([a, b]: [f64; 2], [x, y, z]: [S; 3]) -> S {
     q + S::from(a) * x + S::from(b) * y + S::from(a * b) * twist
 }
 
-/// Shape functions of the pyramid with 13 nodes, with `q = 1 - z` and [`corner`]: `corner (a x + b y - 1) / 4` at corners of the base, `z
-/// (2 z - 1)` at the tip, `(q - x)(q + x)(q + b y) / (2 q)` at edges of the base along x, `z corner` at edges to the tip.
+/// Shape functions of the pyramid with 13 nodes, with `q = 1 - z` and [`corner`]: `corner (a x + b y - 1) / 4` at corners of the base,
+/// `z (2 z - 1)` at the tip, `(q - x)(q + x)(q + b y) / (2 q)` at edges of the base along x, `z corner` at edges to the tip.
 fn quadratic_pyramid<S: Scalar>([x, y, z]: [S; 3]) -> Vec<S> {
     let (q, [quarter, half]) = (S::from(1.0) - z, [0.25, 0.5].map(S::from));
     let base = |a: f64, b: f64| corner([a, b], [x, y, z]);

@@ -11,7 +11,7 @@ use crate::scalar::double_double::DoubleDouble;
 
 type Outcome = Result<(), Box<dyn std::error::Error>>;
 
-/// A random configuration of this size; lengths are in the unit.
+/// A random configuration of this size. Lengths are multiples of `unit`, rotations are in radians.
 fn configuration(unit: f64, size: f64, seed: u64) -> Vec<f64> {
     let turns = |j: usize| ROTATIONS.iter().any(|range| range.contains(&j));
     let scale = |j: usize| if turns(j) { size } else { size * unit };

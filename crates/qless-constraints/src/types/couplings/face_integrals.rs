@@ -12,11 +12,11 @@ use crate::types::CouplingError;
 
 /// A quadrature point.
 pub struct GaussPoint {
-    /// Index of its face.
+    /// Index of the face that the point lies on.
     pub face: usize,
     /// Shape functions `N_k` of the nodes of the face.
     pub functions: Vec<f64>,
-    /// Its coordinates.
+    /// Coordinates of the point.
     pub at: Vector<f64>,
     /// The normal vector; its length is the quadrature weight, an area.
     pub normal: Vector<f64>,

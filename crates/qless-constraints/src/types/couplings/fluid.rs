@@ -62,7 +62,7 @@ impl Constraint for FluidNormal {
     }
 }
 
-/// Cosine of 30 degrees, the largest angle between the normal of a face and the mean normal at a node.
+/// Cosine of 30 degrees, the largest allowed angle between the normal of a face and the mean normal at a node.
 const CREASE: f64 = 0.866;
 
 /// A fluid in pressure form at a wall whose mesh differs from that of the fluid (Eq. A7 in Appl. Sci. 15 (2025) 13059).

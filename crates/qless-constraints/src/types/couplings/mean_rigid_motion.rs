@@ -79,8 +79,8 @@ impl RigidMotionFit {
         Ok(self.factors.scaled.iter().zip(&self.roots).map(coefficient).collect())
     }
 
-    /// `motion . q(place)` in terms of the motion `(v, omega)` of the centre, with the rotation omega scaled to a length. With `motion =
-    /// (d, t)` and the arm a from the centre: `d . (v + omega x a) + t . omega = d . v + (a x d + t) . omega`.
+    /// `motion . q(place)` in terms of the motion `(v, omega)` of the centre, with the rotation omega scaled to a length. With
+    /// `motion = (d, t)` and the arm a from the centre: `d . (v + omega x a) + t . omega = d . v + (a x d + t) . omega`.
     fn about_centre(&self, [a, b, c, d, e, f]: [f64; 6], place: Vector<f64>) -> [f64; 6] {
         let turn = add(cross(arm(place, self.centre), [a, b, c]), [d, e, f]);
         [a, b, c, turn[0] / self.length, turn[1] / self.length, turn[2] / self.length]

@@ -127,7 +127,7 @@ impl Nonlinear for BodyCoordinate {
         c[0] = S::from(self.at) + u[0] - self.body.point(&u[1..])[self.axis];
     }
 
-    /// All pairs of rotations of the body.
+    /// All pairs of rotation DOFs of the body.
     fn pairs(&self, dofs: usize, pair: &mut dyn FnMut(usize, usize)) {
         let first = 1 + self.body.kind.positions();
         (first..dofs).for_each(|j| (first..=j).for_each(|k| pair(j, k)));

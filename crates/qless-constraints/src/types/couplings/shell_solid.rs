@@ -163,11 +163,11 @@ impl Constraint for ShellToSolid {
     }
 }
 
-/// Largest distance of a node from the line, relative to the length of the line.
+/// Largest allowed distance of a node from the line, relative to the length of the line.
 const BENT: f64 = 0.01;
 
-/// Solid nodes on a straight line through the thickness, near a shell node. Each has a share of the side of the solid: its area `w_i = int
-/// N_i dA` and its first moment `m_i = int N_i z dA`, where z is the height along the line.
+/// Solid nodes on a straight line through the thickness, near a shell node. Each has a share of the side of the solid: its area
+/// `w_i = int N_i dA` and its first moment `m_i = int N_i z dA`, where z is the height along the line.
 pub struct LineShares {
     pub direction: Vector<f64>,
     /// Indices of the nodes of the line in the surface.

@@ -15,7 +15,7 @@ pub struct JacobiSvd {
     pub v: [Row6; 6],
 }
 
-/// Factors m rows. Cost: O(m).
+/// Computes the factors of a matrix with m rows. Cost: O(m).
 pub fn svd(rows: Vec<Row6>) -> JacobiSvd {
     let mut scaled = rows;
     let mut v: [Row6; 6] = std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));

@@ -1,4 +1,5 @@
-//! Coincident points of two bodies: `x_a + R_a s_a - x_b - R_b s_b = 0`, a length.
+//! Coincident points of two bodies: `x_a + R_a s_a - x_b - R_b s_b = 0`, a length. `s_a` and `s_b` are the arms from the positions `x_a`
+//! and `x_b` of the bodies to the point.
 
 use std::borrow::Cow;
 
@@ -20,7 +21,7 @@ pub fn coincident(sink: &mut EquationSink, part: impl Into<Cow<'static, str>>, a
     sink.nonlinear(part, &[first.dofs(), second.dofs()].concat(), parameters);
 }
 
-/// Two points that coincide: `c = sign (x_a - x_b)`.
+/// Two points that coincide: `c = sign (x_a - x_b)`, where `sign` is 1 or -1.
 struct Coincident {
     a: AttachedPoint,
     b: AttachedPoint,
@@ -35,7 +36,7 @@ impl Nonlinear for Coincident {
         c.copy_from_slice(&scale(S::from(self.sign), sub(self.a.point(a), self.b.point(b))));
     }
 
-    /// All pairs of rotations of the same body.
+    /// All pairs of rotation DOFs of the same body.
     fn pairs(&self, _: usize, pair: &mut dyn FnMut(usize, usize)) {
         for (first, kind) in [(0, self.a.kind), (self.a.dofs(), self.b.kind)] {
             let first = first + kind.positions();

@@ -61,8 +61,9 @@ fn path(sink: &mut EquationSink, a: &Body, b: &Body, at: Vector<f64>, axis: Vect
     }
 }
 
-/// Body b slides along an axis of body a and rotates about it: `(R_a s_i) . (p_b - p_a) = 0` for two directions `s_i`
-/// perpendicular to the axis, and the tilt of the axis, as in [`super::Revolute`].
+/// Body b slides along an axis of body a and rotates about it: `(R_a s_i) . (p_b - p_a) = 0` for two directions `s_i` perpendicular to the
+/// axis, and the tilt of the axis, as in [`super::Revolute`]. `p_a` and `p_b` are the points of both bodies that are at `at` in the
+/// reference configuration.
 ///
 #[doc = include_str!("../../../docs/pictures/cylindrical.svg")]
 ///
@@ -106,8 +107,9 @@ impl Constraint for Cylindrical {
     }
 }
 
-/// Body b moves in a plane of body a: `(R_a n) . (p_b - p_a) = 0` and the tilt of the normal, as in
-/// [`super::Revolute`]. It slides in two directions and rotates about the normal.
+/// Body b moves in a plane of body a with the normal n: `(R_a n) . (p_b - p_a) = 0` and the tilt of the normal, as in [`super::Revolute`].
+/// It slides in two directions and rotates about the normal. `p_a` and `p_b` are the points of both bodies that are at `at` in the
+/// reference configuration.
 ///
 #[doc = include_str!("../../../docs/pictures/planar.svg")]
 ///

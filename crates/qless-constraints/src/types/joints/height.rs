@@ -60,7 +60,7 @@ impl Nonlinear for Height {
         c[0] = dot(up, self.reach(a, b)) - S::from(self.arm) - S::from(self.rise);
     }
 
-    /// All pairs, except a position with a position, and a position with a rotation of body b.
+    /// All pairs of DOFs, except a position with a position, and a position with a rotation of body b.
     fn pairs(&self, dofs: usize, pair: &mut dyn FnMut(usize, usize)) {
         let (second, turns) = (self.a.dofs(), self.a.kind.positions()..self.a.dofs());
         let rotates_b = |j: usize| j >= second + self.b.kind.positions();

@@ -48,8 +48,8 @@ impl RotationFunction for Aligned {
 /// The rotation that turns the axis of one body to that of the other: the angle vector of `(m, v)`. Zero if the axes are
 /// parallel and point the same way.
 ///
-/// The vector part of q has the components `q_t` along the axis t, and `q_1, q_2` along two directions perpendicular to t:
-/// `m = t . R t = q0^2 + q_t^2 - q_1^2 - q_2^2`, `v = t x R t = 2 (q0 q_1 - q_t q_2, q0 q_2 + q_t q_1)`.
+/// R is the rotation of q. The vector part of q has the components `q_t` along the axis t, and `q_1, q_2` along two directions
+/// perpendicular to t: `m = t . R t = q0^2 + q_t^2 - q_1^2 - q_2^2`, `v = t x R t = 2 (q0 q_1 - q_t q_2, q0 q_2 + q_t q_1)`.
 pub struct Tilt {
     /// The axis and two perpendicular directions, a right-handed system of unit vectors.
     frame: [Vector<f64>; 3],
@@ -77,8 +77,8 @@ impl RotationFunction for Tilt {
     }
 }
 
-/// The angle about an axis, minus a prescribed angle phi: twice the angle of `(m, v)` with `m = q0 cos(phi/2) + q_t sin(phi/2)` and `v =
-/// q_t cos(phi/2) - q0 sin(phi/2)`, where `q_t` is the component of the vector part of q along the axis.
+/// The angle about an axis, minus a prescribed angle phi: twice the angle of `(m, v)` with `m = q0 cos(phi/2) + q_t sin(phi/2)` and
+/// `v = q_t cos(phi/2) - q0 sin(phi/2)`, where `q_t` is the component of the vector part of q along the axis.
 pub struct Twist {
     /// Unit vector along the axis.
     axis: Vector<f64>,

@@ -21,7 +21,7 @@ struct EntrySum {
     terms: f64,
 }
 
-/// A row of D and of -M, by node.
+/// A row of the mortar matrices D and -M, by node.
 #[derive(Default)]
 pub(super) struct MortarRow {
     slaves: BTreeMap<usize, EntrySum>,

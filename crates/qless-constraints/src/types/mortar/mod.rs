@@ -76,7 +76,7 @@ pub struct MortarTie<const D: usize, const F: usize = D> {
     pub slave: Surface<D, F>,
     /// The side without multipliers.
     pub master: Surface<D, F>,
-    /// The functions `Phi_i`.
+    /// The functions `Phi_i` of the multipliers.
     pub multipliers: Multipliers,
     /// Largest gap between the sides, a length. A slave facet may also have an uncovered border of this width, up to
     /// half of its size.
@@ -84,7 +84,7 @@ pub struct MortarTie<const D: usize, const F: usize = D> {
 }
 
 impl<const D: usize, const F: usize> MortarTie<D, F> {
-    /// The rows of D and M, by slave nodes.
+    /// The rows of the mortar matrices D and M, by slave nodes.
     fn rows(&self) -> Result<BTreeMap<usize, matrices::MortarRow>, MortarError> {
         let search = FaceSearch::new(&self.master).map_err(|source| MortarError::Surface { side: "master", source })?;
         let facets = 0..self.slave.faces.len();
@@ -163,7 +163,7 @@ pub enum MortarError {
         size: f64,
         /// Largest allowed gap.
         tolerance: f64,
-        /// The smallest gap, of those above the tolerance, to a master facet on the opposite side; `None` if there is no such facet.
+        /// The smallest gap, of those above the tolerance, to a master facet that lies opposite; `None` if there is no such facet.
         gap: Option<f64>,
     },
     /// Several master facets cover the same place.

@@ -1,5 +1,5 @@
-//! Cyclic symmetry: `u_b = R(alpha) u_a` for a node a and its image b in the next sector, at the sector angle alpha; for harmonic k, `u_b =
-//! e^(i k alpha) R(alpha) u_a`.
+//! Cyclic symmetry: `u_b = R(alpha) u_a` for a node a and its image b in the next sector, at the sector angle alpha; for harmonic k,
+//! `u_b = e^(i k alpha) R(alpha) u_a`.
 
 use crate::geometry::node::{Node, field, rounding, separation, within};
 use crate::geometry::sector_rotation::{Turn, sin_cos};
@@ -119,7 +119,7 @@ impl<const D: usize, const F: usize> Cyclic<D, F> {
         }
     }
 
-    /// Terms of `-factor (R u)_k`, where u are the values of `dofs`.
+    /// Terms of `-factor (R u)_k`, where u are the values of `dofs`. R rotates vectors to the next sector; for scalars it is the identity.
     fn turned(&self, k: usize, factor: f64, dofs: &[usize; F]) -> Vec<(usize, f64)> {
         let terms: Vec<_> = match self.fields {
             Turning::Scalars => vec![(dofs[k], -factor)],
