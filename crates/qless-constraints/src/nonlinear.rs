@@ -56,8 +56,8 @@ pub trait Nonlinear: Send + Sync + Sized + 'static {
     /// Like [`Nonlinear::value_and_jacobian`], for any scalar type. If u has error bounds, c and g have them too
     /// ([`crate::ConstraintSet::rounding`]).
     ///
-    /// The default uses dual numbers, and evaluates c once for every few DOFs. For speed, a type whose c is a sum of many terms should override it,
-    /// and sum the derivatives of its terms.
+    /// The default uses dual numbers, and evaluates c once for every few DOFs. For speed, a type whose c is a sum of many terms should
+    /// override it, and sum the derivatives of its terms.
     fn jacobian_in<S: Scalar>(&self, u: &[S], c: &mut [S], g: &mut [S]) {
         jacobian(self, u, c, g);
     }

@@ -3,7 +3,8 @@
 //! | operation | cost |
 //! | --- | --- |
 //! | [`ConstraintSet::add`] | the numbers of the constraint |
-//! | [`remove`](ConstraintSet::remove), [`activate`](ConstraintSet::activate), [`deactivate`](ConstraintSet::deactivate) | numbers of later constraints of the same types move |
+//! | [`ConstraintSet::remove`] | numbers of later constraints of the same types move |
+//! | [`ConstraintSet::activate`], [`ConstraintSet::deactivate`] | numbers of later constraints of the same types move |
 //! | [`ConstraintSet::replace`] with the same DOFs, [`set_rhs`](ConstraintSet::set_rhs) | the numbers that are replaced |
 //! | the next evaluation | new patterns of G, and of H if nonlinear equations changed |
 //!
