@@ -1,4 +1,4 @@
-//! The diagnosis: rank, kinds, explanations, digits.
+//! The diagnosis: rank, kinds of equations, explanations, digits of confidence.
 
 use std::ffi::c_int;
 use std::sync::{Arc, OnceLock};
@@ -16,9 +16,9 @@ use crate::status::{AMBIGUOUS, CallFailure, OK, guard};
 pub(crate) struct HeldAnalysis {
     pub(crate) analysis: Arc<Analysis>,
     pub(crate) base: IndexBase,
-    /// What limits the verdict, beside its doubt.
+    /// A limit of the verdict that its doubt does not state, as a sentence.
     pub(crate) remark: Option<String>,
-    /// Computed when they are needed.
+    /// The repairs of conflicts, computed when they are first needed.
     pub(crate) repairs: OnceLock<Vec<Repair>>,
 }
 
@@ -27,7 +27,7 @@ impl HeldAnalysis {
         Self { analysis: Arc::new(analysis), base, remark: None, repairs: OnceLock::new() }
     }
 
-    /// Makes a handle of it; the status says whether the verdict is ambiguous.
+    /// Makes a handle of the analysis; the returned status says whether the verdict is ambiguous.
     ///
     /// # Safety
     /// `place` is null or may be written.
@@ -140,7 +140,7 @@ pub extern "C" fn qless_analysis_free(analysis: *mut qless_analysis) -> c_int {
     guard(|| remove::<_, HeldAnalysis>(analysis))
 }
 
-/// Number of equations, of DOFs, the rank, and the numbers of redundant and conflicting equations.
+/// Writes the numbers of equations and DOFs, the rank, and the numbers of redundant and conflicting equations.
 ///
 /// # Safety
 /// Each pointer may be written.

@@ -61,7 +61,7 @@ impl IndexBase {
         usize::try_from(from_zero).map_err(|_| below())
     }
 
-    /// Converts starts of compressed lines; they ascend from the base.
+    /// Converts the starts of compressed rows or columns, which ascend from the base.
     pub fn starts<I: CIndex>(self, starts: &[I]) -> Result<Vec<usize>, CallFailure> {
         let starts = starts.iter().map(|&start| self.read(start, "a start")).collect::<Result<Vec<_>, _>>()?;
         if starts[0] != 0 || starts.windows(2).any(|pair| pair[0] > pair[1]) {
@@ -184,7 +184,7 @@ pub unsafe fn write_text(text: &str, out: *mut c_char, room: i64, length: *mut i
     // SAFETY: the caller upholds the contract, here and below.
     if unsafe { has_room(needed, room, "length", length) }? {
         let out = unsafe { write("text", out, needed as i64, needed) }?;
-        // A zero would end the text early.
+        // A zero would end the text early, so a space replaces it.
         let bytes = text.bytes().map(|byte| if byte == 0 { b' ' } else { byte });
         out.iter_mut().zip(bytes.chain([0])).for_each(|(out, byte)| *out = byte as c_char);
     }

@@ -27,7 +27,7 @@ impl HeldDeck {
         if self.deck.model().left_out().next().is_some() { INCOMPLETE } else { OK }
     }
 
-    /// The load case with this number, or any if all constrain the same.
+    /// The load case with this number; for a negative number the first one, if all load cases constrain the same.
     fn load_case(&self, number: i64) -> Result<&LoadCase, CallFailure> {
         let cases = self.deck.model().cases();
         if number < 0 {
@@ -43,7 +43,8 @@ impl HeldDeck {
         found.ok_or_else(|| CallFailure::input(format!("{what} {number}: there are {}", list.len())))
     }
 
-    /// The analysis of a load case, and the time history whose values alone conflict.
+    /// Analyses a load case. If the prescribed values of one time history alone conflict, although all values at the end do not, the result
+    /// is the analysis of that history, and a remark names it.
     fn analyse(&self, case: &LoadCase, options: &qless::Options) -> Result<HeldAnalysis, CallFailure> {
         let model = self.deck.model();
         let (history, found) = model.at_all_times(case, |history| {

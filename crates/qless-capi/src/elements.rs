@@ -1,4 +1,5 @@
-//! Assembles elements into a condensed matrix without K: `K_q += L_e^T K_e L_e`, `f_q += L_e^T (f_e - K_e u_0)`.
+//! Assembles elements into a condensed matrix without K: `K_q += L_e^T K_e L_e`, `f_q += L_e^T (f_e - K_e u_0)`, where `L_e` are the rows
+//! of L for the DOFs of element e.
 
 use std::ffi::{c_int, c_void};
 use std::sync::{Arc, OnceLock};
@@ -9,7 +10,7 @@ use crate::handles::{get, insert, qless_elimination, qless_pattern};
 use crate::pattern::{ElementDofs, HeldPattern, prescribed_dofs, storage};
 use crate::status::{CallFailure, OK, guard};
 
-/// Adds `K_e` by rows and `f_e` of an element to zeros; another result than 0 stops the assembly.
+/// A function of the caller that adds `K_e`, by rows, and `f_e` of an element to arrays of zeros. Another result than 0 stops the assembly.
 #[expect(non_camel_case_types, reason = "a name of C")]
 pub type qless_element = Option<unsafe extern "C" fn(*mut c_void, i64, *mut f64, *mut f64) -> c_int>;
 
@@ -87,7 +88,7 @@ pub unsafe extern "C" fn qless_condensed_for_elements_64(
 /// The caller's pointer, which several threads pass to the caller's function.
 struct Context(*mut c_void);
 
-// SAFETY: the library never reads what it points to, and the header requires that the function can be called by several threads at once.
+// SAFETY: the library never reads what the pointer points to, and the header requires that several threads can call the function at once.
 unsafe impl Sync for Context {}
 
 impl Context {
@@ -96,7 +97,7 @@ impl Context {
     }
 }
 
-/// `K_q` and `f_q` from all elements of a pattern that was made by [`qless_condensed_for_elements`].
+/// Assembles `K_q` and `f_q` from all elements of a pattern that was made by [`qless_condensed_for_elements`].
 ///
 /// # Safety
 /// The arrays have the lengths that are given; `element` writes only to its arrays and may be called by several threads at once.
@@ -126,7 +127,7 @@ pub unsafe extern "C" fn qless_assemble(
             if stopped.get().is_none() {
                 let e = held.elimination.base.shown(e);
                 let status = unsafe { element(context.get(), e, matrix.as_mut_ptr(), forces.as_mut_ptr()) };
-                // Another thread may have stopped the assembly; its element is as good.
+                // If another thread has stopped the assembly before, its element is reported, which is as good as this one.
                 if status != 0 {
                     _ = stopped.set((e, status));
                 }

@@ -10,7 +10,7 @@ use crate::arrays::{CIndex, IndexBase, set, write};
 use crate::handles::{get, insert, qless_analysis, qless_elimination, remove, unharmed};
 use crate::status::{CallFailure, OK, guard};
 
-/// Calls that only read share the lock; a refresh holds it exclusively.
+/// An elimination and the index base of its caller. Calls that only read share the lock; a refresh holds it exclusively.
 #[derive(Debug)]
 pub(crate) struct HeldElimination {
     pub(crate) elimination: RwLock<Elimination>,

@@ -11,12 +11,12 @@ use crate::arrays::{CIndex, has_room, set, write, write_text};
 use crate::handles::{get, qless_analysis};
 use crate::status::{CallFailure, OK, guard};
 
-/// `what` of an equation, a DOF and a prescribed value.
+/// Values of the argument `what`: an equation, a DOF, a prescribed value.
 const EQUATION: c_int = 0;
 const DOF: c_int = 1;
 const PRESCRIBED: c_int = 2;
 
-/// `coefficient` times an equation or a prescribed value.
+/// A member of an explanation: `coefficient` times an equation or a prescribed value.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct qless_member {
@@ -24,7 +24,7 @@ pub struct qless_member {
     pub what: i64,
     /// The equation or the DOF.
     pub index: i64,
-    /// Its factor.
+    /// Factor of the equation or of the prescribed value.
     pub coefficient: f64,
 }
 

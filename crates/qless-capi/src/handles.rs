@@ -43,7 +43,7 @@ fn table() -> &'static HandleTable {
     TABLE.get_or_init(HandleTable::default)
 }
 
-/// What a lock guards; an error if a panic interrupted a call that held it exclusively.
+/// The value that a lock guards; an error if a panic interrupted a call that held the lock exclusively.
 pub fn unharmed<G>(lock: LockResult<G>) -> Result<G, CallFailure> {
     lock.map_err(|_| CallFailure::half_changed())
 }

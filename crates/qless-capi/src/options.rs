@@ -107,7 +107,7 @@ pub unsafe extern "C" fn qless_options_set_word(
     })
 }
 
-/// Changes a copy and keeps it only if the change is valid.
+/// Changes a copy of the options and keeps it only if the change is valid.
 fn change(
     handle: *mut qless_options,
     change: impl FnOnce(&mut Options) -> Result<(), CallFailure>,

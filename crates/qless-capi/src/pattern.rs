@@ -1,4 +1,4 @@
-//! Condensed matrices: the pattern of `K_q = L^T K L` once, its values and `f_q = L^T (f - K u_0)` in every step.
+//! Condensed matrices: the pattern of `K_q = L^T K L` is made once; its values and `f_q = L^T (f - K u_0)` are computed in every step.
 
 use std::ffi::c_int;
 use std::sync::Arc;
@@ -96,7 +96,7 @@ impl<I: CIndex> GivenPattern<I> {
     }
 }
 
-/// The pattern of K_q for matrices K with this pattern.
+/// Makes the pattern of `K_q` for all matrices K that have the given pattern.
 ///
 /// # Safety
 /// The arrays have the lengths that the header states.
@@ -185,7 +185,7 @@ unsafe fn arrays<I: CIndex>(
     Ok(OK)
 }
 
-/// The lines of K_q, and the DOF of each unknown; null for an array that is not wanted.
+/// The compressed rows or columns of `K_q`, and the DOF of each unknown; null for an array that is not wanted.
 ///
 /// # Safety
 /// The arrays are null or have the lengths that the header states.

@@ -21,7 +21,7 @@ pub struct qless_change {
     pub index: i64,
     /// The value in the input.
     pub from: f64,
-    /// The value that cures.
+    /// The value that, with the other changes, cures the conflicts.
     pub to: f64,
 }
 
@@ -44,7 +44,7 @@ impl HeldAnalysis {
     }
 }
 
-/// Number of groups of conflicts that have numbers in common.
+/// Number of groups of conflicts. Conflicts that have right-hand sides or prescribed values in common belong to one group.
 ///
 /// # Safety
 /// `groups` may be written.
@@ -103,7 +103,7 @@ pub unsafe extern "C" fn qless_repair_conflicts(
     })
 }
 
-/// The changes of a way, the most plausible way first.
+/// The changes of a way to cure a group of conflicts. The most plausible way has the lowest number.
 ///
 /// # Safety
 /// `changes` has room for `length` changes.

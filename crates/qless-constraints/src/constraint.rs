@@ -22,7 +22,7 @@ use crate::geometry::node::Node;
 pub use crate::nonlinear::Nonlinear;
 use crate::scalar::SUM_ROUNDING;
 
-/// The input of one constraint.
+/// A constraint type. A value of the type is the input of one constraint.
 ///
 /// ```
 /// use qless_constraints::{Constraint, ConstraintSet, EquationSink};
@@ -66,9 +66,11 @@ pub trait Constraint {
     fn emit(self, sink: &mut EquationSink) -> Result<(), Self::Error>;
 }
 
-/// Largest coordinate or length. Sixth powers of it and of its inverse, which occur in derivatives of normals and volumes, are finite.
+/// Largest coordinate or length that is accepted. Sixth powers of it and of its inverse, which occur in derivatives of normals and volumes,
+/// are finite.
 const LARGEST: f64 = 1e50;
-/// Repetitions in a list of up to this many entries are found by comparing all entries; longer lists are sorted first.
+/// Repetitions in a list of up to this many entries are found by comparing all entries; longer lists are sorted first. A new statement
+/// about DOFs is compared with up to this many earlier ones.
 const FEW: usize = 16;
 
 /// Receives the linear and nonlinear equations of the constraint that is being added.
@@ -104,7 +106,8 @@ impl EquationSink {
 
     /// Adds `sum a_j u_j = rhs`; terms on the same DOF are summed. `name` distinguishes the equations of one constraint.
     ///
-    /// If terms cancel up to rounding, the coefficient is zero: a residue of 1e-17 would otherwise count as a coefficient, and add to the rank.
+    /// If terms cancel up to rounding, the coefficient is zero: a residue of 1e-17 would otherwise count as a coefficient, and add to the
+    /// rank.
     pub fn equation(
         &mut self,
         name: impl Into<Cow<'static, str>>,
@@ -172,10 +175,10 @@ impl EquationSink {
         }
     }
 
-    /// States that a DOF is added to a reference coordinate: `x = at + u`, so that x is known to its last place at best.
+    /// States that DOF u displaces a reference coordinate: `x = at + u`. The uncertainty of x is then at least the rounding error of `at`.
     ///
-    /// A type whose parameters hold only differences of coordinates must state them for [`crate::ConstraintSet::rounding`]. A DOF has one
-    /// coordinate: a different one, from this or from another constraint, is refused.
+    /// A type whose parameters hold only differences of coordinates must state the coordinates, for [`crate::ConstraintSet::rounding`]. A
+    /// DOF has one coordinate: a different one, from this or from another constraint, is refused.
     pub fn coordinate(&mut self, dof: usize, at: f64) {
         self.place(&[dof], &[at], true);
     }
@@ -185,7 +188,8 @@ impl EquationSink {
         self.place(&node.dofs, &node.at, true);
     }
 
-    /// States that these DOFs displace a node or body from `at`. If `measured`, the equations keep differences of coordinates only.
+    /// States that these DOFs displace a node or body from `at`. If `measured`, the equations hold only differences of coordinates; the
+    /// rounding errors of `at` then count as errors of the DOFs.
     pub(crate) fn place(&mut self, dofs: &[usize], at: &[f64], measured: bool) {
         self.numbers(at.iter().copied());
         for (dofs, at) in dofs.chunks(3).zip(at.chunks(3)) {
@@ -219,15 +223,15 @@ impl EquationSink {
 
     fn state(&mut self, statement: DofStatement) {
         let all = &mut self.contents.statements;
-        // A joint repeats the statements about its bodies for each of its equations.
+        // A joint repeats the statements about its bodies for each of its equations. One copy is enough.
         let known = all.iter().rev().take(FEW).any(|other| *other == statement);
         if self.fault.is_none() && !known {
             all.push(statement);
         }
     }
 
-    /// States that the parameters of nonlinear equations contain these numbers, such as coordinates. Each must be finite and at most 1e50 in
-    /// magnitude, so that powers of it are finite too.
+    /// States that the parameters of nonlinear equations contain these numbers, such as coordinates. Each must be finite and at most 1e50
+    /// in magnitude, so that powers of it are finite too.
     ///
     /// Linear equations need no such statement, since the sink sees all of their numbers.
     pub fn numbers(&mut self, numbers: impl IntoIterator<Item = f64>) {

@@ -1,9 +1,10 @@
-//! Constraint types of finite-element and multibody models: `c(u) = 0` with `G = dc/du` and `H = sum_r w_r d^2 c_r / du^2`.
+//! Constraint types of finite-element and multibody models: equations `c(u) = 0`, their Jacobian `G = dc/du`, and their Hessian
+//! `H = sum_r w_r d^2 c_r / du^2` with weights w_r.
 //!
 //! A [`ConstraintSet`] holds constraints of any types, from linear equations to the joints of multibody models.
 //!
-//! - It evaluates their values, Jacobian and effective Hessian into sparse matrices. Patterns are made once, and updated when constraints are
-//!   added, removed, activated, deactivated or replaced ([`ConstraintSet::add`] and others).
+//! - It evaluates their values, Jacobian and effective Hessian into sparse matrices. Patterns are made once, and updated when constraints
+//!   are added, removed, activated, deactivated or replaced ([`ConstraintSet::add`] and others).
 //! - Right-hand sides may be functions of time ([`ConstraintSet::set_time`]).
 //! - [`ConstraintSet::linearised`] passes `G du = -c` to [`qless::analyse`], which finds redundant and conflicting equations.
 //!

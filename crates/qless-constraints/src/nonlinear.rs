@@ -9,10 +9,10 @@ use crate::scalar::{Dual, Scalar};
 pub trait Nonlinear: Send + Sync + Sized + 'static {
     /// Number of DOFs of each constraint of the type, or 0 if it varies. A fixed number makes loops faster.
     const DOFS: usize = 0;
-    /// For each pair, the index of its number in the output of [`Nonlinear::hessian`]. A list that is shorter than the list of pairs is
-    /// repeated. If it is empty, each pair has a number of its own.
+    /// For each pair of DOFs, in the order of [`Nonlinear::pairs`], the index of its value in the output of [`Nonlinear::hessian`]. A list
+    /// that is shorter than the list of pairs is repeated. If it is empty, each pair has a value of its own.
     ///
-    /// This saves work if many pairs share few numbers. With the numbers `v, -v`, the list `[0, 1, 0]` gives six pairs the values
+    /// This saves work if many pairs share few values. With the output `v, -v`, the list `[0, 1, 0]` gives six pairs the values
     /// `v, -v, v, v, -v, v`.
     const NUMBERS: &'static [usize] = &[];
     /// Whether parameters are functions of time. [`Nonlinear::at_time`] is called only then.
@@ -37,7 +37,8 @@ pub trait Nonlinear: Send + Sync + Sized + 'static {
 
     /// The prescribed angle in radians, if c determines it only up to multiples of 2 pi.
     ///
-    /// Steps of time must change this angle by less than pi, so that c can be followed; `qless_solve::equilibrium::drive` sees to it.
+    /// One time step must change this angle by less than pi, since c does not count whole turns; `qless_solve::equilibrium::drive` limits
+    /// its steps for this.
     fn angle(&self) -> Option<f64> {
         None
     }
@@ -47,37 +48,41 @@ pub trait Nonlinear: Send + Sync + Sized + 'static {
         (0..dofs).for_each(|j| (0..=j).for_each(|k| pair(j, k)));
     }
 
-    /// Writes all of `c`, and `dc_r / du_j` at `g[r * n + j]`.
+    /// Writes all of `c`, and `dc_r / du_j` at `g[r * n + j]`, where n is the number of DOFs.
     fn value_and_jacobian(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
         jacobian(self, u, c, g);
     }
 
-    /// Like [`Nonlinear::value_and_jacobian`], in any scalars: with error bounds, if u has them ([`crate::ConstraintSet::rounding`]).
+    /// Like [`Nonlinear::value_and_jacobian`], for any scalar type. If u has error bounds, c and g have them too
+    /// ([`crate::ConstraintSet::rounding`]).
     ///
-    /// Dual numbers evaluate c once for every few DOFs. A type whose c is a sum of many terms does better to sum the derivatives of the terms.
+    /// The default uses dual numbers, and evaluates c once for every few DOFs. For speed, a type whose c is a sum of many terms should
+    /// override it, and sum the derivatives of its terms.
     fn jacobian_in<S: Scalar>(&self, u: &[S], c: &mut [S], g: &mut [S]) {
         jacobian(self, u, c, g);
     }
 
-    /// Writes `sum_r w_r d^2 c_r / du_j du_k`, one number per pair in the order of [`Nonlinear::pairs`], or as [`Nonlinear::NUMBERS`] says.
+    /// Writes `sum_r w_r d^2 c_r / du_j du_k` for each pair of DOFs, in the order of [`Nonlinear::pairs`], or at the index that
+    /// [`Nonlinear::NUMBERS`] gives.
     fn hessian(&self, u: &[f64], w: &[f64], h: &mut [f64]) {
         hessian(self, u, w, h);
     }
 
-    /// Where [`Nonlinear::hessian`] writes the value of a pair; `pair` is the pair's place in the order of [`Nonlinear::pairs`].
+    /// Index of a pair's value in the output of [`Nonlinear::hessian`]; `pair` is the pair's place in the order of [`Nonlinear::pairs`].
     #[doc(hidden)]
     fn number(pair: usize) -> usize {
         if Self::NUMBERS.is_empty() { pair } else { Self::NUMBERS[pair % Self::NUMBERS.len()] }
     }
 }
 
-/// Directions per evaluation: enough to fill vector instructions, few enough to stay in registers.
+/// Number of DOFs in which one evaluation with dual numbers differentiates: enough to fill vector instructions, few enough to stay in
+/// registers.
 const WIDTH: usize = 8;
 /// Largest numbers of equations and of DOFs for which scratch memory is on the stack.
 const ROWS: usize = 8;
 const DOFS: usize = 32;
 
-/// `c`, and `dc_r / du_j` at `g[r * n + j]`, in any scalars.
+/// Writes `c`, and `dc_r / du_j` at `g[r * n + j]` for n DOFs, by dual numbers over any scalar type.
 pub fn jacobian<Q: Nonlinear, S: Scalar>(q: &Q, u: &[S], c: &mut [S], g: &mut [S]) {
     let zero = Dual::<WIDTH, S>::from(0.0);
     with_scratch(zero, u.len(), c.len(), |x, value| {
@@ -92,7 +97,7 @@ pub fn jacobian<Q: Nonlinear, S: Scalar>(q: &Q, u: &[S], c: &mut [S], g: &mut [S
     });
 }
 
-/// `sum_r w_r d^2 c_r / du_j du_k` for each pair, with dual numbers whose components are dual numbers.
+/// Writes `sum_r w_r d^2 c_r / du_j du_k` for each pair of DOFs, with dual numbers whose components are dual numbers.
 pub fn hessian<Q: Nonlinear>(q: &Q, u: &[f64], w: &[f64], h: &mut [f64]) {
     with_scratch(Dual::<1, Dual<1>>::from(0.0), u.len(), w.len(), |x, value| {
         (0..u.len()).for_each(|j| x[j] = Dual::from(u[j]));

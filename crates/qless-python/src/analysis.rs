@@ -19,10 +19,10 @@ use crate::system::{PySystem, places};
 #[derive(Debug)]
 pub struct PyAnalysis(Arc<Analysis>);
 
-/// Rows and coefficients of a certificate.
+/// Rows or DOFs, and a number for each.
 type TermArrays<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<f64>>);
 
-/// `(row, DOF, coefficient)` of each.
+/// `(row, DOF, coefficient)` of each coefficient.
 type Coefficients = Vec<(usize, usize, f64)>;
 
 /// Diagnoses a system with the options that are given.
@@ -67,14 +67,14 @@ impl PyAnalysis {
         (places(py, &dofs), values.into_pyarray(py))
     }
 
-    /// The certificate of a row, and its relative error (0 up to the tolerance).
+    /// The certificate of a row, and its relative error, or 0 if the error is at most the tolerance.
     fn because<'py>(&self, py: Python<'py>, row: usize) -> PyResult<(TermArrays<'py>, f64)> {
         let found = py.detach(|| self.0.because(row).and_then(|found| Ok((found, self.0.because_error(row)?))));
         let (found, error) = found.map_err(|error| argument_error(&error))?;
         Ok((terms(py, &found), error))
     }
 
-    /// Why a DOF is fixed.
+    /// Why a DOF is fixed: rows, and their coefficients.
     fn because_fixed<'py>(&self, py: Python<'py>, dof: usize) -> PyResult<TermArrays<'py>> {
         let found = py.detach(|| self.0.because_fixed(dof)).map_err(|error| plain("FactorError", &error))?;
         Ok(terms(py, &found))

@@ -13,7 +13,7 @@ use crate::system::{IndexArray, RowArrays, indices, places, row_arrays, starts};
 
 type Doubles<'py> = PyReadonlyArray1<'py, f64>;
 
-/// `u = L u_q + u_0`. A thread releases the interpreter lock before it takes a lock of this type, so that no two threads
+/// An elimination, `u = L u_q + u_0`. A thread releases the interpreter lock before it takes a lock of this type, so that no two threads
 /// wait for each other.
 #[pyclass(frozen, name = "Elimination", module = "qless._qless")]
 #[derive(Debug)]
@@ -73,7 +73,7 @@ impl PyElimination {
         places(py, &list)
     }
 
-    /// The pattern for these arrays: the last one if they are the same.
+    /// The pattern for these arrays: the last one, if it was made from the same arrays.
     fn pattern(
         &self,
         starts: Vec<usize>,
@@ -158,19 +158,19 @@ impl PyElimination {
         self.with(py, |elimination| elimination.reduction().growth())
     }
 
-    /// `u = L u_q + u_0`.
+    /// All DOFs `u = L u_q + u_0` from the masters `u_q`.
     fn expand<'py>(&self, py: Python<'py>, masters: Doubles<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let masters = masters.as_array().to_vec();
         self.fill(py, Elimination::dofs, |elimination, u| elimination.expand_into(&masters, u))
     }
 
-    /// `du = L du_q`.
+    /// An increment `du = L du_q` of all DOFs from one of the masters.
     fn expand_increment<'py>(&self, py: Python<'py>, masters: Doubles<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let masters = masters.as_array().to_vec();
         self.fill(py, Elimination::dofs, |elimination, du| elimination.expand_increment_into(&masters, du))
     }
 
-    /// `f_q = L^T f`.
+    /// Forces on the masters, `f_q = L^T f`, from forces f on all DOFs.
     fn restrict<'py>(&self, py: Python<'py>, forces: Doubles<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let forces = forces.as_array().to_vec();
         let masters = |elimination: &Elimination| elimination.masters().len();
@@ -194,7 +194,7 @@ impl PyElimination {
         Ok(found.map_err(self.failed())?.into_pyarray(py))
     }
 
-    /// New b and prescribed values; an error leaves everything as it was.
+    /// Sets new b and prescribed values; an error leaves everything as it was.
     fn update(&self, py: Python<'_>, rhs: Doubles<'_>, prescribed: Doubles<'_>) -> PyResult<()> {
         let (rhs, prescribed) = (rhs.as_array().to_vec(), prescribed.as_array().to_vec());
         let updated = py.detach(|| {
@@ -204,7 +204,7 @@ impl PyElimination {
         updated.map_err(self.failed())
     }
 
-    /// `K_q = L^T K L` as compressed lines like those of K, and `f_q = L^T (f - K u_0)`.
+    /// `K_q = L^T K L` in compressed rows or columns, like K, and `f_q = L^T (f - K u_0)`.
     fn condense<'py>(
         &self,
         py: Python<'py>,

@@ -41,7 +41,7 @@ fn raise(class: &str, message: String, row: Option<usize>, dof: Option<usize>) -
     })
 }
 
-/// An exception without a row.
+/// An exception without a row and a DOF.
 pub fn plain(class: &str, error: &dyn std::fmt::Display) -> PyErr {
     raise(class, error.to_string(), None, None)
 }
@@ -83,7 +83,7 @@ fn reduction_error(error: &ReductionError, names: LabelNames) -> PyErr {
     raise("ReductionError", names.explain(&error.to_string(), row, dof), row, dof)
 }
 
-/// `Conflict` carries its rows alone; the package adds the explanations.
+/// The exception `Conflict` carries only the conflicting rows; the Python package adds the explanations.
 pub fn elimination_error(error: &EliminationError, names: LabelNames) -> PyErr {
     match error {
         EliminationError::Conflicting { rows, .. } => Python::attach(|py| {

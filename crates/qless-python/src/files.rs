@@ -26,7 +26,8 @@ impl From<ReadError> for Fault {
     }
 }
 
-/// Reads a file or folder; a deck for a solver and a load case, by default those of the file if there is only one.
+/// Reads a file or folder. A deck is read for a solver and a load case; if they are not given, the file shows the solver, and all load
+/// cases must constrain the same.
 #[pyfunction]
 #[pyo3(signature = (path, solver=None, case=None))]
 pub fn read(
@@ -72,7 +73,7 @@ fn said(deck: &Deck, warning: &Warning) -> String {
     format!("{}: {}", deck.model().place_of(warning), warning.text)
 }
 
-/// The load case with this name; without a name any, if all constrain the same.
+/// The load case with this name; without a name the first one, if all load cases constrain the same.
 fn load_case<'a>(cases: &'a [LoadCase], name: Option<&str>) -> Result<&'a LoadCase, String> {
     let names = || cases.iter().map(|case| case.name.as_str()).collect::<Vec<_>>().join(", ");
     let first = cases.first().ok_or("the deck has no load case")?;

@@ -30,7 +30,7 @@ mod _qless {
     use super::system::{PySystem, system_from_dense, system_from_rows};
     use super::{Bound, PyModule, PyModuleMethods, PyResult};
 
-    /// Version and backends of this build.
+    /// Adds the version of this build.
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.add("__version__", env!("CARGO_PKG_VERSION"))

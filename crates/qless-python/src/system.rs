@@ -99,7 +99,7 @@ fn negative(what: &str, value: i64) -> PyErr {
     plain("InputError", &format!("{what} is {value}; rows and DOFs count from 0"))
 }
 
-/// The starts of compressed rows, checked as [`SystemError::BadStarts`] says.
+/// The starts of compressed rows; they must begin at 0, never decrease and end at `nnz` ([`SystemError::BadStarts`]).
 pub fn starts(given: &IndexArray<'_>, nnz: usize) -> PyResult<Vec<usize>> {
     let checked = match given {
         IndexArray::Narrow(starts) => ascending(starts.as_array().iter().map(|&start| i64::from(start)), nnz),
@@ -136,7 +136,7 @@ fn refuse_negative(columns: &IndexArray<'_>) -> PyResult<()> {
     first.map_or(Ok(()), |j| Err(negative("a column", j)))
 }
 
-/// From compressed rows: entries `starts[i]..starts[i + 1]` belong to row i.
+/// Makes a system from compressed rows: entries `starts[i]..starts[i + 1]` belong to row i.
 #[pyfunction]
 pub fn system_from_rows(
     py: Python<'_>,
@@ -197,7 +197,7 @@ fn rows_ascend<I: Copy + Into<i64>>(dofs: usize, starts: &[usize], columns: Arra
     u32::try_from(dofs).is_ok() && starts.windows(2).all(is_valid)
 }
 
-/// From a dense matrix, m x n; zeros are no coefficients.
+/// Makes a system from a dense matrix, m x n; zeros are no coefficients.
 #[pyfunction]
 pub fn system_from_dense(py: Python<'_>, matrix: Dense<'_>, sides: Sides<'_>) -> PyResult<PySystem> {
     match &matrix {
@@ -220,7 +220,7 @@ fn nonzeros<V: Copy + Into<f64>>(row: ArrayView1<'_, V>) -> impl Iterator<Item =
     row.into_iter().map(|&v| v.into()).enumerate().filter(|&(_, v)| v != 0.0)
 }
 
-/// `(starts, columns, values)` of a sparse matrix, with 32-bit indices if they fit.
+/// `(starts, columns, values)` of a sparse matrix. Columns have 32 bits; starts have 32 bits if they fit.
 pub type RowArrays<'py> = (Bound<'py, PyAny>, Bound<'py, PyArray1<i32>>, Bound<'py, PyArray1<f64>>);
 
 /// The arrays of a matrix of the library.
@@ -256,7 +256,7 @@ impl PySystem {
         row_arrays(py, self.0.matrix())
     }
 
-    /// b.
+    /// The right-hand sides b.
     fn rhs<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, self.0.rhs())
     }

@@ -19,7 +19,7 @@ pub struct ConstraintContents {
 }
 
 impl ConstraintContents {
-    /// Replaces the right-hand sides of the linear equations, one each.
+    /// Replaces the right-hand sides of the linear equations; `rhs` holds one value for each.
     pub fn set_rhs(&mut self, rhs: &[f64]) {
         self.equations.iter_mut().zip(rhs).for_each(|(equation, &rhs)| equation.rhs = LinearRhs::Value(rhs));
     }

@@ -19,7 +19,7 @@ pub enum DofStatement {
     /// The DOFs displace a node or body from `at`. If `measured`, the parameters of the equations hold only differences of coordinates;
     /// the rounding errors of the coordinates then count as errors of the DOFs.
     Place { dofs: [u32; 3], at: [f64; 3], measured: bool },
-    /// A rotation vector, followed by [`NO_DOF`], or four Euler parameters.
+    /// The DOFs of a rotation: those of a rotation vector, followed by [`NO_DOF`], or those of four Euler parameters.
     Rotation([u32; 4]),
 }
 
@@ -137,7 +137,8 @@ impl DofUses {
         self.statements.iter().position(|list| names(list))
     }
 
-    /// The rotations of all bodies: DOFs of rotation vectors, followed by [`NO_DOF`], and of Euler parameters, in the order of first DOFs.
+    /// The DOFs of the rotation of each body: those of a rotation vector, followed by [`NO_DOF`], or of four Euler parameters. Sorted by
+    /// first DOF.
     pub fn rotations(&self) -> impl Iterator<Item = [u32; 4]> + '_ {
         self.records.iter().filter_map(|(&dof, record)| match record.used {
             DofUse::Rotation(dofs) if dofs[0] == dof => Some(dofs),

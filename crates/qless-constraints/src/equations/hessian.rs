@@ -1,8 +1,8 @@
-//! `H = sum_r w_r H_r`: the pattern of H, and for each entry the Hessian numbers that sum to it. [`crate::Nonlinear::hessian`] computes
-//! these numbers for each item.
+//! Sums `H = sum_r w_r H_r`. The plan holds the pattern of H and, for each entry, the indices of the Hessian numbers that sum to it.
+//! [`crate::Nonlinear::hessian`] computes these numbers for each item.
 //!
-//! All items write their numbers into one list, in parallel; then each entry sums its numbers, in the order of the items. No two tasks write
-//! the same entry, and the sum does not depend on the number of threads.
+//! All items write their numbers into one list, in parallel; then each entry sums its numbers, in the order of the items. No two tasks
+//! write the same entry, and the sum does not depend on the number of threads.
 
 use qless::common::Identity;
 use qless::{Csr, SystemError};
@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use crate::equations::nonlinear::NonlinearBatch;
 
-/// Entries that one task sums.
+/// Number of entries of H that one task sums.
 const SUMMED: usize = 1 << 13;
 
 /// The pattern of H, and the terms of its entries.
@@ -19,11 +19,11 @@ pub struct HessianPlan {
     /// Index of the first entry of each row, and at the end the number of entries.
     start: Vec<usize>,
     col: Vec<u32>,
-    /// Index of the first term of each entry, and at the end the number of terms.
+    /// Index in `terms` of the first term of each entry, and at the end the number of terms.
     first: Vec<u32>,
-    /// Index of each term in the list of Hessian numbers.
+    /// Index of each term in the list of the numbers that [`crate::Nonlinear::hessian`] computes for all items.
     terms: Vec<u32>,
-    /// Length of the list of Hessian numbers of all batches.
+    /// Length of the list of the numbers that [`crate::Nonlinear::hessian`] computes for all items.
     pub numbers: usize,
 }
 
@@ -84,7 +84,7 @@ impl HessianPlan {
     }
 }
 
-/// Calls `entry(row, column, number)` for all items; returns how many numbers they have.
+/// Calls `entry(row, column, number)` for the contributions of all items to H; returns how many numbers the items have.
 fn for_each_entry(batches: &[Box<dyn NonlinearBatch>], mut entry: impl FnMut(u32, u32, u32)) -> usize {
     batches.iter().fold(0, |first, batch| {
         batch.entries(first, &mut entry);

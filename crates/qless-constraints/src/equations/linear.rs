@@ -99,7 +99,7 @@ impl LinearEquations {
         old
     }
 
-    /// A copy of a row; its function of time is moved there.
+    /// Copies a row out of the set. If its right-hand side is a function of time, the function moves into the copy.
     fn staged(&mut self, key: (u32, u32), row: usize, names: &EquationNames) -> StagedEquation {
         let function = self.driven.remove(&key);
         let rhs = function.map_or(LinearRhs::Value(self.rhs[row]), LinearRhs::TimeFunction);

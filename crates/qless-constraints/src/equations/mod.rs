@@ -4,7 +4,7 @@
 //! | --- | --- |
 //! | item | the nonlinear equations of one call of `EquationSink::nonlinear`: parameters and a list of DOFs |
 //! | batch | all items of one type |
-//! | stamp | identity of one state; a new one after each change |
+//! | stamp | identity of one state of the data; each change gives a new one |
 //!
 //! Modules, lowest first: this one and [`dof_uses`], [`linear`] and [`nonlinear`], [`contents`] and [`hessian`], [`tasks`].
 
@@ -61,7 +61,7 @@ impl EquationNames {
     }
 }
 
-/// Identity of a state since the last change. It is made when it is first read, since most changes are followed by others before that.
+/// Identity of the state since the last change. It is made only when it is read, since several changes often follow each other unread.
 #[derive(Default)]
 pub struct ChangeStamp(OnceLock<Identity>);
 

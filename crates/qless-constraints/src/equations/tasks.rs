@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::equations::linear::LinearEquations;
 use crate::equations::nonlinear::NonlinearBatch;
 
-/// Largest number of linear equations, or of items, that one task evaluates.
+/// Largest number of linear equations, or of nonlinear items, that one task evaluates.
 const AT_ONCE: usize = 1024;
 
 /// A piece of work with the slices that it writes.
@@ -24,7 +24,8 @@ fn ranges(count: usize) -> impl Iterator<Item = Range<usize>> {
     (0..count).step_by(AT_ONCE).map(move |first| first..count.min(first + AT_ONCE))
 }
 
-/// One task for each range of linear rows, `of_linear(rows, c)`, and for each range of items, `of_items(batch, items, c, G)`.
+/// Makes one task for each range of linear rows, which calls `of_linear(rows, c)`, and one for each range of items, which calls
+/// `of_items(batch, items, c, G)`.
 pub fn value_tasks<'a>(
     (linear, batches): (&LinearEquations, &'a [Box<dyn NonlinearBatch>]),
     (c, g): (&'a mut [f64], &'a mut Csr),
@@ -48,7 +49,7 @@ pub fn value_tasks<'a>(
     tasks
 }
 
-/// The tasks that write the Hessian numbers of all items; `weights` are those of all nonlinear equations.
+/// The tasks that write the numbers of [`crate::Nonlinear::hessian`] for all items; `weights` are those of all nonlinear equations.
 pub fn number_tasks<'a>(
     batches: &'a [Box<dyn NonlinearBatch>],
     u: &'a [f64],

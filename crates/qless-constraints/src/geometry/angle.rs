@@ -11,12 +11,12 @@ use std::f64::consts::PI;
 
 use crate::scalar::{HALF_DIGITS, Scalar};
 
-/// Largest `y / m^2` for which the series are used.
+/// Largest `y / m^2`, with `y = v.v`, for which [`factor`] uses a series.
 const SMALL: f64 = 0.1;
-/// Terms of the series for angles up to 0.3, and up to 0.03.
+/// Number of terms of the series for angles up to 0.3, and for angles up to 0.03.
 const TERMS: [i32; 2] = [18, 7];
 
-/// The angle vector of `x = (m, v)`. v has K components; later entries of x are ignored.
+/// The angle vector `atan2(|v|, m) v / |v|` of `x = (m, v)`. v has K components; later entries of x are ignored.
 pub fn value<S: Scalar, const K: usize>(x: [S; 4]) -> [S; K] {
     let (m, v): (S, [S; K]) = (x[0], from_fn(|k| x[1 + k]));
     if turned_over(m.real(), v.map(Scalar::real)) {

@@ -15,8 +15,8 @@ pub(crate) fn bounds<const D: usize>(shape: Shape, places: &[[f64; D]]) -> [[f64
     [extreme(f64::INFINITY, f64::min), extreme(f64::NEG_INFINITY, f64::max)]
 }
 
-/// Control points: corners; `2 m - (a + b) / 2` for an edge ab with the middle m; `sum m - 3/4 sum a` for the centre
-/// of a Quad8; `4 c - sum m + 1/4 sum a` for that of a Quad9 with the centre node c.
+/// Adds the control points: the corners a; `2 m - (a + b) / 2` for each edge ab with the middle node m; and for the centre
+/// `sum m - 3/4 sum a` of a Quad8, or `4 c - sum m + 1/4 sum a` of a Quad9 with the centre node c.
 fn add_control_points<const D: usize>(shape: Shape, places: &[[f64; D]], control: &mut Vec<[f64; D]>) {
     let corners = shape.corners().len();
     control.extend(&places[..corners]);

@@ -23,8 +23,8 @@ pub fn is_degenerate<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> bool {
     volumes().any(|v| v > DEPENDENT) && volumes().any(|v| v < -DEPENDENT)
 }
 
-/// Whether the normal at a corner of a face points against the normal at the centre. Valid in any dimension:
-/// `(a x b) . (c x d) = (a . c)(b . d) - (a . d)(b . c)`.
+/// Whether the normal at a corner of a face points against the normal at the centre. The formula needs no cross product, so that it holds
+/// in any dimension: `(a x b) . (c x d) = (a . c)(b . d) - (a . d)(b . c)`.
 fn turns_over<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> bool {
     let [c, d, _] = tangents(shape, nodes, shape.centre()).1;
     let all: Vec<_> = shape.corners().iter().map(|&xi| tangents(shape, nodes, xi).1).collect();

@@ -7,17 +7,17 @@ use crate::scalar::Scalar;
 /// Relative rounding error of sums of a few products; multiplied by the largest coordinate it is a length.
 pub(crate) const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// Distance within which a point counts as on an element, due to the rounding of their coordinates.
+/// Distance within which a point counts as on an element, due to the rounding of the coordinates of both.
 pub fn rounding<const D: usize>(nodes: &[[f64; D]], point: &[f64; D]) -> f64 {
     ROUNDING * nodes.iter().flatten().chain(point).fold(0.0, |most: f64, x| most.max(x.abs()))
 }
 
-/// `x_k - p`.
+/// The coordinates of nodes relative to a point p: `x_k - p`.
 pub fn relative<const D: usize>(nodes: &[[f64; D]], point: &[f64; D]) -> Vec<[f64; D]> {
     nodes.iter().map(|x| std::array::from_fn(|d| x[d] - point[d])).collect()
 }
 
-/// Names of the components.
+/// Names of the coordinate axes in labels.
 pub(crate) const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// A node in D dimensions that carries the DOFs of F fields.

@@ -22,7 +22,7 @@ impl Outline {
         Self::Polygon(corners)
     }
 
-    /// Length or area.
+    /// Length of an interval, or area of a polygon.
     pub fn size(&self) -> f64 {
         match self {
             Self::Interval(from, to) => to - from,
@@ -80,7 +80,7 @@ fn edges(polygon: &[PlanePoint]) -> impl Iterator<Item = (PlanePoint, PlanePoint
     polygon.iter().copied().zip(polygon.iter().copied().cycle().skip(1))
 }
 
-/// Triangles between the first corner and every edge; their signed areas sum to that of the polygon.
+/// Triangles between the first corner and every edge that does not touch it; their signed areas sum to that of the polygon.
 fn fan(polygon: &[PlanePoint]) -> impl Iterator<Item = [PlanePoint; 3]> {
     polygon.windows(2).skip(1).map(|ends| [polygon[0], ends[0], ends[1]])
 }
@@ -122,7 +122,8 @@ fn cut(polygon: &[PlanePoint], a: PlanePoint, b: PlanePoint) -> Vec<PlanePoint> 
     kept
 }
 
-/// Areas below this share of a polygon are made by rounding: corners on edges and beside other corners, and overlaps along shared edges.
+/// An area below this share of a polygon's area comes from rounding. It lies at a corner that is on an edge or beside another corner, or is
+/// an overlap along a shared edge.
 pub const SLIVER: f64 = 1e-10;
 
 /// The corners of a polygon, without those that rounding made.
@@ -173,7 +174,7 @@ pub fn quadrature(polygon: &[PlanePoint]) -> impl Iterator<Item = (PlanePoint, f
     })
 }
 
-/// The three Gauss points and weights of a line, of degree five.
+/// The three Gauss points and weights on [-1, 1], exact up to degree five.
 pub fn gauss_points() -> [(f64, f64); 3] {
     let root = 0.6_f64.sqrt();
     [(-root, 5.0 / 9.0), (0.0, 8.0 / 9.0), (root, 5.0 / 9.0)]
@@ -199,7 +200,7 @@ pub fn seven_points() -> [([f64; 3], f64); 7] {
 mod tests {
     use super::*;
 
-    /// `int x^p dx = (b^(p + 1) - a^(p + 1)) / (p + 1)`.
+    /// Checks `int x^p dx = (b^(p + 1) - a^(p + 1)) / (p + 1)` on the interval [a, b].
     #[test]
     fn rule_of_lines_is_exact_up_to_degree_five() {
         let line = Outline::new(vec![[1.5, 0.0], [-0.25, 0.0]]);
@@ -213,7 +214,7 @@ mod tests {
         assert!(apart.size() < 0.0);
     }
 
-    /// Corners on an ellipse: convex.
+    /// A convex polygon with its corners on an ellipse.
     fn polygon(corners: u32, centre: PlanePoint, size: f64) -> Vec<PlanePoint> {
         let angle = |k: u32| std::f64::consts::TAU * (f64::from(k) + 0.3 * f64::from(k % 2)) / f64::from(corners);
         (0..corners).map(|k| [centre[0] + size * angle(k).cos(), centre[1] + 0.7 * size * angle(k).sin()]).collect()

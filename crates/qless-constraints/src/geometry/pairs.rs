@@ -22,7 +22,7 @@ pub enum PairError {
          be, more than the tolerance {tolerance}; correct the nodes or the step, or raise the tolerance"
     )]
     NoImage {
-        /// The node, from 1.
+        /// Number of the node, counted from 1.
         node: usize,
         /// Distance of the nearest node; infinite if the coordinates are not finite or too large.
         distance: f64,
@@ -34,9 +34,9 @@ pub enum PairError {
         "nodes {first} and {second}, from 1, have the same image: they are at the same place, or the tolerance is too large"
     )]
     Shared {
-        /// One node, from 1.
+        /// Number of one node, counted from 1.
         first: usize,
-        /// The other node, from 1.
+        /// Number of the other node, counted from 1.
         second: usize,
     },
 }

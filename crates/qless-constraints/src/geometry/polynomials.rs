@@ -1,4 +1,4 @@
-//! `p(x) = sum_m c_m P_i(x) P_j(y)`: polynomials on a triangle or a square, and interpolation between given nodes.
+//! Polynomials `p(x, y) = sum_m c_m P_i(x) P_j(y)` with Legendre's P_i, on a triangle or a square, and interpolation between given nodes.
 
 use faer::Mat;
 use faer::linalg::solvers::Solve;
@@ -18,8 +18,8 @@ pub enum Polynomials {
     Serendipity(usize),
 }
 
-/// Nodes do not determine a polynomial if the matrix of the values of all `P_i P_j` at the nodes is nearly singular: the ratio
-/// of its least to its largest singular value is below this.
+/// Nodes do not determine a polynomial if the values of all products `P_i P_j` of Legendre polynomials at the nodes form a nearly singular
+/// matrix: the ratio of its least to its largest singular value is below this.
 const LEAST: f64 = 1e-10;
 
 impl Polynomials {
@@ -56,13 +56,13 @@ impl Polynomials {
     pub fn contain(self, others: Self) -> bool {
         let (p, q) = (self.degree(), others.degree());
         match (self, others) {
-            // `xi^q eta^q` with q > 1 counts 2 q towards the degree.
+            // In a serendipity space, `xi^q eta^q` with q > 1 counts 2 q towards the degree.
             (Self::Serendipity(_), Self::Quadrilateral(_)) => q <= if q > 1 { p / 2 } else { p },
             _ => self.face() == others.face() && q <= p,
         }
     }
 
-    /// The linear face with the same parameters.
+    /// The linear element shape on the same range of parameters: a triangle or a quadrilateral.
     pub(crate) fn face(self) -> Shape {
         if matches!(self, Self::Triangle(_)) { Shape::Tri3 } else { Shape::Quad4 }
     }
@@ -76,8 +76,8 @@ impl Polynomials {
         }
     }
 
-    /// Exponents `(i, j)`. The set contains all lower exponents, so that products of Legendre polynomials span the
-    /// same space.
+    /// Exponents `(i, j)`. With each pair, the set contains all pairs with lower exponents, so that products of Legendre polynomials span
+    /// the same space.
     fn exponents(self) -> impl Iterator<Item = (usize, usize)> {
         let p = self.degree();
         (0..=p).flat_map(move |j| (0..=p).map(move |i| (i, j))).filter(move |&(i, j)| self.has(i, j))
@@ -89,8 +89,8 @@ impl Polynomials {
         self.exponents().map(|(i, j)| along_x[i] * along_y[j]).collect()
     }
 
-    /// `N_k(x)` at each point, so that `p(x) = sum_k N_k(x) p(x_k)` for the nodes `x_k`. Returns `None` if the nodes
-    /// do not determine a polynomial.
+    /// The weights `N_k(x)` at each point, so that `p(x) = sum_k N_k(x) p(x_k)` for every polynomial p of the space and the nodes `x_k`.
+    /// Returns `None` if the nodes do not determine a polynomial.
     pub(crate) fn weights(self, nodes: &[[f64; 2]], points: &[[f64; 2]]) -> Option<Vec<Vec<f64>>> {
         let [at_nodes, at_points] = [nodes, points].map(|all| all.iter().map(|&x| self.values(x)).collect::<Vec<_>>());
         let n = nodes.len();

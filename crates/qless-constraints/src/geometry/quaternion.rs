@@ -55,7 +55,7 @@ pub struct BodyQuaternion {
     kind: RotationKind,
     theta: Vector<f64>,
     pub q: Quaternion<f64>,
-    /// A, A', A''.
+    /// `A = sin(t / 2) / t` of a rotation vector with the angle t, and its first two derivatives with respect to `t^2`.
     a: [f64; 3],
 }
 
@@ -74,7 +74,8 @@ impl BodyQuaternion {
         Self { kind, theta, q: [1.0 - quarter * b[0], x, y, z], a }
     }
 
-    /// Gradient of `r . q` with `r = (r_0, r_v)`: `A r_v + (2 A' r_v.theta - A r_0 / 2) theta`.
+    /// Gradient of `r . q` in the rotation DOFs, for a constant `r = (r_0, r_v)`. For a rotation vector theta it is
+    /// `A r_v + (2 A' r_v.theta - A r_0 / 2) theta`, where `A = sin(t / 2) / t`, `t = |theta|`, and A' is the derivative of A in `t^2`.
     #[inline]
     pub fn gradient(&self, r: Quaternion<f64>, out: &mut [f64]) {
         match self.kind {
@@ -88,7 +89,7 @@ impl BodyQuaternion {
         }
     }
 
-    /// `dq / du_j` for each rotation j; surplus entries are meaningless.
+    /// `dq / du_j` for each rotation DOF j; surplus entries are meaningless.
     #[inline]
     pub fn slopes(&self) -> [Quaternion<f64>; 4] {
         let mut rows = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
@@ -103,8 +104,10 @@ impl BodyQuaternion {
         rows
     }
 
-    /// Lower triangle of the Hessian of `r . q`, row by row:
-    /// `(2 A' r_v.theta - A r_0 / 2) I + 2 A' (r_v theta^T + theta r_v^T) + (4 A'' r_v.theta - A' r_0) theta theta^T`.
+    /// Lower triangle of the Hessian of `r . q` in the rotation DOFs, row by row, for a constant `r = (r_0, r_v)`. For a rotation vector it
+    /// is
+    /// `(2 A' r_v.theta - A r_0 / 2) I + 2 A' (r_v theta^T + theta r_v^T) + (4 A'' r_v.theta - A' r_0) theta theta^T`, where
+    /// `A = sin(t / 2) / t`, `t = |theta|`, and A' and A'' are derivatives of A in `t^2`.
     #[inline]
     pub fn hessian(&self, r: Quaternion<f64>, out: &mut [f64]) {
         match self.kind {

@@ -2,10 +2,10 @@
 //! derivatives.
 //!
 //! With Stumpff's functions `c_k = sum_i (-y)^i / (2 i + k)!`: `a = c_1`, `b = c_2`, `c_k = 1 / k! - y c_(k+2)` and
-//! `dc_k/dy = (k c_(k+2) - c_(k+1)) / 2`. The two series of `c_5` and `c_6` give all six numbers. Without a division
-//! by y, they are exact at y = 0.
+//! `dc_k/dy = (k c_(k+2) - c_(k+1)) / 2`. The two series of `c_5` and `c_6` give a, b and their derivatives. Nothing is divided by y, so
+//! that the results are exact at y = 0.
 
-/// `a, a', a''` and `b, b', b''`.
+/// `a = sin t / t` and `b = (1 - cos t) / t^2`, each with its first two derivatives in `y = t^2`.
 #[inline]
 pub fn factors(y: f64) -> [[f64; 3]; 2] {
     if y < 4.0 { series(y) } else { closed(y) }
@@ -18,7 +18,7 @@ fn series(y: f64) -> [[f64; 3]; 2] {
     from_highest(y, highest(y, if y < 0.05 { 6 } else { 12 }))
 }
 
-/// All six factors from `c_5` and `c_6`.
+/// a, a', a'' and b, b', b'' from Stumpff's functions `c_5` and `c_6`.
 fn from_highest(y: f64, [c5, c6]: [f64; 2]) -> [[f64; 3]; 2] {
     let (c3, c4) = (1.0 / 6.0 - y * c5, 1.0 / 24.0 - y * c6);
     let (c1, c2) = (1.0 - y * c3, 0.5 - y * c4);
@@ -26,12 +26,12 @@ fn from_highest(y: f64, [c5, c6]: [f64; 2]) -> [[f64; 3]; 2] {
     [of_a, [c2, c4 - 0.5 * c3, 2.0 * c6 - 1.25 * c5 + 0.25 * c4]]
 }
 
-/// `c_5` and `c_6` by Horner's rule.
+/// Stumpff's functions `c_5(y)` and `c_6(y)` by Horner's rule.
 fn highest(y: f64, terms: usize) -> [f64; 2] {
     INVERSE_FACTORIALS[..terms].iter().rev().fold([0.0; 2], |sums, term| [term[0] - y * sums[0], term[1] - y * sums[1]])
 }
 
-/// Closed forms for y >= 4: `d(cos t)/dy = -a / 2`, and so on.
+/// The factors a and b and their derivatives in closed form, for y >= 4. They follow from `d(cos t)/dy = -a / 2` with `y = t^2`.
 fn closed(y: f64) -> [[f64; 3]; 2] {
     let t = y.sqrt();
     let (sin, cos) = t.sin_cos();

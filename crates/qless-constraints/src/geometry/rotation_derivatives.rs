@@ -1,7 +1,7 @@
 //! `phi = m . (R s)` with its gradient and Hessian in the rotations of a body, in closed form.
 //!
-//! With `n = s x m`, Euler parameters `p = (e0, e)` give `phi = (e0^2 - e.e) m.s + 2 (e.s)(e.m) + 2 e0 e.n`. A rotation
-//! vector, with `y = theta.theta`, gives `phi = m.s + a(y) alpha + b(y) beta`, `alpha = theta.n`,
+//! With `n = s x m`, Euler parameters `p = (e0, e)` give `phi = (e0^2 - e.e) m.s + 2 (e.s)(e.m) + 2 e0 e.n`. A rotation vector, with
+//! `y = theta.theta` and the factors a and b of Rodrigues' formula, gives `phi = m.s + a(y) alpha + b(y) beta`, `alpha = theta.n`,
 //! `beta = (m.theta)(s.theta) - y m.s`.
 
 use super::rodrigues::factors;
@@ -11,7 +11,7 @@ use crate::scalar::vector::{Vector, add, axis, cross, dot, scale, sub};
 /// Indices of a lower triangle for up to four rotations, row by row.
 const LOWER: [(usize, usize); 10] = [(0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2), (3, 0), (3, 1), (3, 2), (3, 3)];
 
-/// Gradient of phi. `u` are the rotations; the result has as many entries.
+/// Gradient of `phi = m . (R s)` in the rotation DOFs `u`; the result has as many entries as `u`.
 #[inline]
 pub fn gradient(kind: RotationKind, u: &[f64], s: Vector<f64>, m: Vector<f64>, out: &mut [f64]) {
     match kind {
@@ -45,7 +45,8 @@ pub fn slopes(kind: RotationKind, u: &[f64], s: Vector<f64>) -> (Vector<f64>, [[
 }
 
 /// `R s = s + a v + b w` with `v = theta x s`, `w = theta x v`, and
-/// `d(R s) = -a [s]x + b ((theta.s) I + theta s^T - 2 s theta^T) + 2 (a' v + b' w) theta^T`.
+/// `d(R s) = -a [s]x + b ((theta.s) I + theta s^T - 2 s theta^T) + 2 (a' v + b' w) theta^T`. a and b are the factors of Rodrigues'
+/// formula, a' and b' their derivatives in `theta.theta`.
 fn slopes_by_vector(theta: Vector<f64>, s: Vector<f64>, [a, b]: [[f64; 3]; 2]) -> (Vector<f64>, [Vector<f64>; 3]) {
     let once = cross(theta, s);
     let (twice, along) = (cross(theta, once), b[0] * dot(theta, s));
@@ -60,7 +61,7 @@ fn slopes_by_vector(theta: Vector<f64>, s: Vector<f64>, [a, b]: [[f64; 3]; 2]) -
     (add(add(s, scale(a[0], once)), scale(b[0], twice)), rows)
 }
 
-/// Lower triangle of the Hessian of phi, row by row.
+/// Lower triangle of the Hessian of `phi = m . (R s)` in the rotation DOFs `u`, row by row.
 #[inline]
 pub fn hessian(kind: RotationKind, u: &[f64], s: Vector<f64>, m: Vector<f64>, out: &mut [f64]) {
     match kind {
@@ -84,7 +85,8 @@ pub fn hessian(kind: RotationKind, u: &[f64], s: Vector<f64>, m: Vector<f64>, ou
     }
 }
 
-/// The terms of phi for a rotation vector.
+/// The terms of `phi = m . (R s)` for a rotation vector theta: `phi = m.s + a alpha + b beta` with `n = s x m`, `alpha = theta.n` and
+/// `beta = (m.theta)(s.theta) - theta.theta m.s`.
 struct Phi {
     theta: Vector<f64>,
     s: Vector<f64>,
@@ -107,14 +109,14 @@ impl Phi {
         Self { theta, s, m, n, ms, alpha: dot(theta, n), beta: mt * st - y * ms, slope_beta, a, b }
     }
 
-    /// `a n + 2 a' alpha theta + b grad beta + 2 b' beta theta`.
+    /// The gradient of phi in theta, in the symbols of [`Phi`]: `a n + 2 a' alpha theta + b grad beta + 2 b' beta theta`.
     fn gradient(&self) -> Vector<f64> {
         let along = 2.0 * (self.a[1] * self.alpha + self.b[1] * self.beta);
         add(add(scale(self.a[0], self.n), scale(self.b[0], self.slope_beta)), scale(along, self.theta))
     }
 
-    /// The derivative of the gradient: `q theta^T + theta q^T + b (m s^T + s m^T) + d I` with `d = 2 (a' alpha + b' beta - b m.s)`
-    /// and `q = 2 a' n + 2 b' grad beta + 2 (a'' alpha + b'' beta) theta`.
+    /// The Hessian of phi in theta, in the symbols of [`Phi`]: `q theta^T + theta q^T + b (m s^T + s m^T) + d I` with
+    /// `d = 2 (a' alpha + b' beta - b m.s)` and `q = 2 a' n + 2 b' grad beta + 2 (a'' alpha + b'' beta) theta`.
     fn hessian(&self) -> [f64; 6] {
         let (t, s, [a, b]) = (self.theta, self.s, [self.a, self.b]);
         let twice = 2.0 * (a[2] * self.alpha + b[2] * self.beta);

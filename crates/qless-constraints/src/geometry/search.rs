@@ -50,11 +50,11 @@ impl<const D: usize, const F: usize> std::fmt::Debug for FaceSearch<'_, D, F> {
 /// The face nearest to a point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Nearest {
-    /// The face, from 0.
+    /// Number of the face, counted from 0.
     pub face: usize,
     /// Distance from the point to the face. In a solid that contains the point it is zero up to rounding.
     pub distance: f64,
-    /// `N_k` at the nearest point, one for each node of the face. Weights below 8 units in the last place of the
+    /// The shape functions `N_k` at the nearest point, one for each node of the face. Weights below 8 units in the last place of the
     /// largest are exactly zero; the sum is one, up to two units of rounding per weight.
     pub weights: Vec<f64>,
 }
@@ -69,7 +69,7 @@ pub enum SearchError {
     /// The coordinates of a point are not finite, or so large that distances overflow.
     #[error("the coordinates of node {node}, from 1, are not finite or too large; correct them")]
     NoPlace {
-        /// The node, from 1.
+        /// Number of the node, counted from 1.
         node: usize,
     },
     /// The nearest face is too far away.
@@ -78,11 +78,11 @@ pub enum SearchError {
          {tolerance}: correct the node, add the face that it belongs to, or raise the tolerance"
     )]
     TooFar {
-        /// The node, from 1.
+        /// Number of the node, counted from 1.
         node: usize,
-        /// The nearest face, from 1.
+        /// Number of the nearest face, counted from 1.
         face: usize,
-        /// Its distance.
+        /// Distance from the node to this face.
         distance: f64,
         /// Largest allowed distance.
         tolerance: f64,

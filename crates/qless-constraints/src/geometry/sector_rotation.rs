@@ -8,7 +8,7 @@ use crate::scalar::vector::{Vector, scale, unit};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turn<const D: usize> {
     centre: [f64; D],
-    /// R, row by row.
+    /// The rotation matrix R, row by row.
     pub(crate) rotation: [[f64; D]; D],
     pub(crate) angle: f64,
 }

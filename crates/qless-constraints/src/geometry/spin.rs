@@ -8,8 +8,8 @@ use super::rotation::{factors, third_factor};
 use crate::scalar::vector::{Vector, add, axis, cross, dot, lift, scale, sub};
 use crate::scalar::{Dual, Scalar};
 
-/// `T(theta) = I + ((1 - cos t) / t^2) [theta]x + ((t - sin t) / t^3) [theta]x^2`, `t = |theta|`: the rows of the matrix that maps the rate of
-/// a rotation vector, in radians, to the angular velocity in space.
+/// `T(theta) = I + ((1 - cos t) / t^2) [theta]x + ((t - sin t) / t^3) [theta]x^2` with `t = |theta|`: the rows of the matrix that maps the
+/// rate of a rotation vector, in radians, to the angular velocity in space.
 ///
 /// The generalised force of a moment M in space is `T^T M`. T is singular at whole turns, `t = 2 pi k`.
 ///
@@ -24,7 +24,7 @@ pub fn rotation_tangent(theta: [f64; 3]) -> [[f64; 3]; 3] {
     std::array::from_fn(|i| of_vector(theta, axis(i)))
 }
 
-/// `T^T m = m - b theta x m + c theta x (theta x m)`.
+/// `T^T m = m - b theta x m + c theta x (theta x m)` with `b = (1 - cos t) / t^2`, `c = (t - sin t) / t^3` and `t = |theta|`.
 fn of_vector<S: Scalar>(theta: Vector<S>, m: Vector<f64>) -> Vector<S> {
     let y = dot(theta, theta);
     let ((_, b), c) = (factors(y), third_factor(y));
@@ -32,7 +32,8 @@ fn of_vector<S: Scalar>(theta: Vector<S>, m: Vector<f64>) -> Vector<S> {
     add(sub(lift(m), scale(b, once)), scale(c, cross(theta, once)))
 }
 
-/// `L^T m` for the rotation DOFs u, of a rotation vector or of four Euler parameters; entries from the number of DOFs on are zero.
+/// The generalised force `L^T m` of a moment m on the rotation DOFs u, where `w = L du/dt` is the angular velocity. `u` holds a rotation
+/// vector or four Euler parameters; for a rotation vector, the fourth entry of the result is zero.
 pub fn generalised<S: Scalar>(u: &[S], m: Vector<f64>) -> [S; 4] {
     if let &[e0, x, y, z] = u {
         let (e0, e, two, m) = (S::from(1.0) + e0, [x, y, z], S::from(2.0), lift(m));
@@ -43,17 +44,18 @@ pub fn generalised<S: Scalar>(u: &[S], m: Vector<f64>) -> [S; 4] {
     [x, y, z, S::from(0.0)]
 }
 
-/// `d (L^T m)_i / du_j` at `[i][j]`.
+/// `d (L^T m)_i / du_j` at `[i][j]`, where `L^T m` is the generalised force of a moment m ([`generalised`]).
 pub fn stiffness(u: &[f64], m: Vector<f64>) -> [[f64; 4]; 4] {
     let variables: Vec<Dual<4, f64>> = u.iter().enumerate().map(|(j, &x)| Dual::variable(x, j)).collect();
     generalised(&variables, m).map(|x| x.slope)
 }
 
-/// The moment M of a generalised force `L^T M = q`. At whole turns of a rotation vector it is not finite, since q does not determine it.
+/// The moment M that has the generalised force `q = L^T M` on the rotation DOFs u. At whole turns of a rotation vector it is not finite,
+/// since q does not determine it.
 pub fn moment(u: &[f64], q: &[f64]) -> Vector<f64> {
     if let (&[e0, x, y, z], &[q0, a, b, c]) = (u, q) {
         let (e0, e, q) = (1.0 + e0, [x, y, z], [a, b, c]);
-        // L L^T = 4 |p|^2 I.
+        // For Euler parameters p, `L L^T = 4 |p|^2 I`.
         let image = add(sub(scale(e0, q), scale(q0, e)), cross(e, q));
         return scale(0.5 / (e0 * e0 + dot(e, e)), image);
     }
@@ -89,7 +91,7 @@ mod tests {
                         scale(1.0 / p.iter().map(|p| p * p).sum::<f64>(), by_euler(p, axis(k)))
                     }
                 };
-                // w = sum_k r_k x r_k' / 2.
+                // The angular velocity is `w = sum_k r_k x r_k' / 2`, where `r_k` is the rotated k-th axis.
                 let rate = |k: usize| scale(0.5 / step, sub(turned(1.0, k), turned(-1.0, k)));
                 let spin = (0..3).fold([0.0; 3], |w, k| add(w, scale(0.5, cross(turned(0.0, k), rate(k)))));
                 let q = generalised(u, m);

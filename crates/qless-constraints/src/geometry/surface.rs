@@ -17,7 +17,7 @@ use super::shape::Shape;
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Face {
-    /// Its element shape.
+    /// Element shape of the face.
     pub shape: Shape,
     /// Indices into [`Surface::nodes`], from 0, in the order of the shape.
     pub nodes: Vec<usize>,
@@ -61,9 +61,9 @@ pub enum SurfaceError {
     /// A face has the wrong number of nodes.
     #[error("face {face}, from 1, has {found} nodes; a {shape:?} has {}", shape.nodes())]
     Nodes {
-        /// The face, from 1.
+        /// Number of the face, counted from 1.
         face: usize,
-        /// Its shape.
+        /// Shape of the face.
         shape: Shape,
         /// Number of nodes given.
         found: usize,
@@ -71,9 +71,9 @@ pub enum SurfaceError {
     /// A face names a node that does not exist.
     #[error("face {face}, from 1, names node {node} (from 0), but the surface has {nodes}")]
     NoNode {
-        /// The face, from 1.
+        /// Number of the face, counted from 1.
         face: usize,
-        /// The node, from 0.
+        /// Number of the node, counted from 0.
         node: usize,
         /// Number of nodes of the surface.
         nodes: usize,
@@ -81,15 +81,15 @@ pub enum SurfaceError {
     /// Two faces have the same nodes: integrals would count them twice.
     #[error("faces {first} and {second}, from 1, have the same nodes; remove one, as integrals would count both")]
     Repeated {
-        /// One face, from 1.
+        /// Number of one face, counted from 1.
         first: usize,
-        /// The other face, from 1.
+        /// Number of the other face, counted from 1.
         second: usize,
     },
     /// A face has no size, is folded, has more dimensions than its space, or has coordinates that are not finite.
     #[error("face {face}, from 1, is degenerate or folded: correct its nodes, their coordinates or their order")]
     Degenerate {
-        /// The face, from 1.
+        /// Number of the face, counted from 1.
         face: usize,
     },
 }

@@ -13,9 +13,10 @@ pub use dual::Dual;
 
 /// Relative rounding of a sum of a few terms: eight units in the last place. A result that is at most this share of its terms is zero.
 pub(crate) const SUM_ROUNDING: f64 = 8.0 * f64::EPSILON;
-/// Half of the digits of a double. What is smaller than this share of its terms has lost more digits than it kept, and determines nothing.
+/// Half of the digits of a double. A sum smaller than this share of its terms has lost more digits than it kept, and determines nothing.
 pub(crate) const HALF_DIGITS: f64 = 1e-8;
-/// What is smaller than this share of its size has no extent: four digits above the rounding of coordinates.
+/// A length, area or volume that is smaller than this share of the geometry's size counts as zero: four digits above the rounding of
+/// coordinates.
 pub(crate) const NO_EXTENT: f64 = 1e-12;
 
 /// Sets factors to zero that are at most `blur` times the rounding of the largest. NaN stays.
@@ -33,7 +34,7 @@ pub(crate) fn complete<'a>(factors: impl Iterator<Item = &'a mut f64>, sum: f64)
     largest.into_iter().filter(|a| **a != 0.0).for_each(|a| *a += missing);
 }
 
-/// Numbers with sums and products: scalars, with or without derivatives, or several scalars side by side.
+/// Numbers with sums and products: scalars, with or without derivatives. A type need not have quotients.
 pub trait Arithmetic:
     Copy + From<f64> + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
 {

@@ -66,7 +66,7 @@ pub enum ActiveError {
     /// A number of a linearised equation is not finite.
     #[error("{label}: its linearised equation contains {value}; give a configuration at which it is finite")]
     NotFinite {
-        /// The equation.
+        /// Label of the equation.
         label: String,
         /// The number.
         value: f64,
@@ -109,7 +109,7 @@ impl ActiveSystem {
             self.rows.push(known);
         }
         let mut gone: Vec<EquationId> = old.into_values().map(|known| known.id).collect();
-        // The order of a hash map differs between runs.
+        // Sorts the identities, since the order of a hash map differs between runs.
         gone.sort_unstable();
         gone.into_iter().try_for_each(|id| self.system.remove(id))?;
         Ok(self.system.update()?)
@@ -160,7 +160,7 @@ impl ActiveSystem {
         self.rows.get(row).map(|known| known.id)
     }
 
-    /// Rank of the free part of G.
+    /// Rank of G on the free DOFs.
     pub fn rank(&self) -> usize {
         self.system.rank()
     }

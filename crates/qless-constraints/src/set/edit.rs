@@ -3,7 +3,8 @@
 //! | operation | cost |
 //! | --- | --- |
 //! | [`ConstraintSet::add`] | the numbers of the constraint |
-//! | [`remove`](ConstraintSet::remove), [`activate`](ConstraintSet::activate), [`deactivate`](ConstraintSet::deactivate) | numbers of later constraints of the same types move |
+//! | [`ConstraintSet::remove`] | numbers of later constraints of the same types move |
+//! | [`ConstraintSet::activate`], [`ConstraintSet::deactivate`] | numbers of later constraints of the same types move |
 //! | [`ConstraintSet::replace`] with the same DOFs, [`set_rhs`](ConstraintSet::set_rhs) | the numbers that are replaced |
 //! | the next evaluation | new patterns of G, and of H if nonlinear equations changed |
 //!
@@ -136,7 +137,8 @@ impl ConstraintSet {
 
     /// Replaces the parameters or the type of a constraint. Its label and position stay, and it remains active or inactive.
     ///
-    /// All patterns stay if DOFs, types and numbers of equations are the same.
+    /// G keeps its pattern if DOFs, types and numbers of equations are the same. H keeps it too if the DOF pairs of nonlinear equations are
+    /// the same.
     ///
     /// # Errors
     /// [`ReplaceError`]; the constraint is not changed then.
@@ -245,7 +247,7 @@ impl ConstraintSet {
         linear.replace(number, contents.equations, names, *time);
         let pairs = contents.pieces.into_iter().zip(places);
         pairs.for_each(|(piece, place)| piece.overwrite(number, names, place, nonlinear));
-        // An evaluation keeps the coefficients of linear equations until the pattern is renewed.
+        // An evaluation keeps the coefficients of linear equations until the pattern is renewed, so it is renewed here.
         self.pattern.renew();
         self.version.renew();
         Ok(())

@@ -14,23 +14,23 @@ pub enum EditError {
     /// The constraint was removed before.
     #[error("constraint {place} (from 0) was removed; add it again, or deactivate constraints that return later")]
     Gone {
-        /// Number of constraints added before it.
+        /// Number of constraints that were added before this one.
         place: usize,
     },
     /// The number of right-hand sides differs from the number of linear equations of the constraint.
     #[error("{label} has {expected} linear equations, not {found}; give one right-hand side for each")]
     Count {
-        /// The constraint.
+        /// Label of the constraint.
         label: String,
-        /// Right-hand sides given.
+        /// Number of right-hand sides given.
         found: usize,
-        /// Linear equations.
+        /// Number of linear equations of the constraint.
         expected: usize,
     },
     /// A right-hand side is not finite.
     #[error("a right-hand side of {label} would be {value}; give a finite number")]
     NotFinite {
-        /// The constraint.
+        /// Label of the constraint.
         label: String,
         /// The number.
         value: f64,
@@ -68,11 +68,11 @@ pub enum LineariseError {
          constraint is defined"
     )]
     NotFinite {
-        /// The equation.
+        /// Row of the equation.
         row: usize,
-        /// Its label.
+        /// Label of the equation.
         label: String,
-        /// The first such number.
+        /// The first number that is not finite.
         value: f64,
     },
     /// A prescribed DOF is not valid.
@@ -84,10 +84,10 @@ pub enum LineariseError {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum AddError<E: std::error::Error + 'static> {
-    /// The type refuses the input.
+    /// The constraint type refuses the input.
     #[error("{name} \"{label}\": {source}")]
     Input {
-        /// The type.
+        /// Name of the constraint type.
         name: &'static str,
         /// The label given.
         label: String,
@@ -97,7 +97,7 @@ pub enum AddError<E: std::error::Error + 'static> {
     /// The equations have a fault that any type can have.
     #[error("{name} \"{label}\": {source}")]
     Equation {
-        /// The type.
+        /// Name of the constraint type.
         name: &'static str,
         /// The label given.
         label: String,
@@ -116,7 +116,7 @@ pub enum TimeError {
     /// A right-hand side or a prescribed motion is not finite at the new time.
     #[error("the function of time of {label} is {value} at time {time}; it must be finite there")]
     NotFinite {
-        /// The equation.
+        /// Label of the equation.
         label: String,
         /// The new time.
         time: f64,

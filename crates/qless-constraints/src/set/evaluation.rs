@@ -9,7 +9,7 @@ use crate::set::ConstraintSet;
 /// The results of an evaluation, with the patterns of the set at that time. Other sets refuse them.
 #[derive(Clone, Debug)]
 pub struct Evaluation {
-    /// The set that allocated it.
+    /// The set that allocated this evaluation.
     set: Identity,
     /// The configuration of the last evaluation of c and G.
     pub(super) u: Vec<f64>,
@@ -86,7 +86,7 @@ impl ConstraintSet {
         Ok(())
     }
 
-    /// After changes of the set, gives H the pattern of the current equations. Returns their plan.
+    /// After changes of the set, gives H the pattern of the current equations. Returns the plan by which their Hessians are summed.
     pub(super) fn follow_hessian(&self, evaluation: &mut Evaluation) -> &HessianPlan {
         let plan = self.plan();
         if evaluation.patterns[1] != plan.stamp {

@@ -38,7 +38,7 @@ use crate::set::register::ConstraintId;
 #[derive(Clone, Debug, Default)]
 pub struct Inequalities {
     ids: Vec<ConstraintId>,
-    /// Active sets since the last solution.
+    /// The active sets that occurred since the last solution.
     met: HashSet<Vec<bool>>,
     one_by_one: bool,
 }
@@ -65,7 +65,8 @@ pub enum InequalityError {
 }
 
 impl Inequalities {
-    /// Adds `c >= 0` to the set as an inactive constraint. The constraint must have one equation; its force on the model is `p dc/du`.
+    /// Adds `c >= 0` to the set as an inactive constraint. The constraint must have one equation; its force on the model is `p dc/du` with
+    /// the pressure p.
     ///
     /// # Errors
     /// [`AddError`]; nothing is added then.
@@ -97,8 +98,8 @@ impl Inequalities {
     /// Compares an equilibrium with the inequalities, and activates or deactivates those that it violates. Returns true if it violates
     /// none, so that it is the solution.
     ///
-    /// `evaluation` is the set at the equilibrium, `multipliers` those of `f_int + G^T lambda = f_ext`. An open inequality is violated if c is
-    /// negative by more than its rounding error.
+    /// `evaluation` is the set at the equilibrium, `multipliers` those of `f_int + G^T lambda = f_ext`. An open inequality is violated if c
+    /// is negative by more than its rounding error.
     ///
     /// # Errors
     /// [`InequalityError`].
@@ -146,8 +147,8 @@ impl Inequalities {
         Ok(())
     }
 
-    /// Repeats `equilibrium` and [`Inequalities::step`] until all inequalities hold. `equilibrium` returns u and the multipliers of the active
-    /// constraints; it is called again after every change of the active set.
+    /// Repeats `equilibrium` and [`Inequalities::step`] until all inequalities hold. `equilibrium` returns u and the multipliers of the
+    /// active constraints; it is called again after every change of the active set.
     ///
     /// # Errors
     /// [`InequalityError`], or that of `equilibrium`.

@@ -19,11 +19,11 @@ use crate::set::{ConstraintSet, long};
 /// perpendicular to it, and a rod whose ends coincide has no direction. The equation may be needed at other configurations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Vanishing {
-    /// The equation.
+    /// Row of the equation.
     pub row: usize,
-    /// Its label.
+    /// Label of the equation.
     pub label: String,
-    /// The largest computed entry of its row.
+    /// The largest computed entry of the equation's row of G.
     pub entry: f64,
     /// Bound on the rounding error of the row's entries; not less than `entry`.
     pub rounding: f64,
@@ -50,8 +50,8 @@ impl fmt::Display for Vanishing {
 impl ConstraintSet {
     /// The linearised equations `G du = -c` with the labels of the set; `prescribed` are increments `(DOF, du)`.
     ///
-    /// Entries within their rounding errors are left out. A row without other entries has no terms, and its right-hand side is zero if c is within
-    /// its rounding error too; [`ConstraintSet::vanishing`] reports such rows. The configuration is that of the last evaluation.
+    /// Entries within their rounding errors are left out. A row without other entries has no terms, and its right-hand side is zero if c is
+    /// within its rounding error too; [`ConstraintSet::vanishing`] reports such rows. The configuration is that of the last evaluation.
     ///
     /// ```
     /// use qless::{Options, analyse};
@@ -90,9 +90,9 @@ impl ConstraintSet {
         self.linearised(&evaluation, prescribed)
     }
 
-    /// `sum_j G_rj s_j y_j = -c_r` for `du_j = s_j y_j`: [`ConstraintSet::linearised`] with the columns scaled by
-    /// `units`, at least n numbers `s_j`. Prescribed increments are those of y. `rounding` must be [`ConstraintSet::rounding`] at the u of the
-    /// evaluation; bounds of another u are not detected.
+    /// `sum_j G_rj s_j y_j = -c_r` for `du_j = s_j y_j`: [`ConstraintSet::linearised`] with the columns scaled by `units`, at least n
+    /// numbers `s_j`. Prescribed increments are those of y. `rounding` must be [`ConstraintSet::rounding`] at the u of the evaluation;
+    /// bounds of another u are not detected.
     ///
     /// # Errors
     /// As [`ConstraintSet::linearised`], and if `units` is shorter than n, or `rounding` belongs to another set.

@@ -1,4 +1,5 @@
-//! A set of constraints: `c(u)`, `G = dc/du` and `H = sum_r w_r d^2 c_r / du^2`, evaluated in parallel into patterns that follow its changes.
+//! A set of constraints: `c(u)`, `G = dc/du` and `H = sum_r w_r d^2 c_r / du^2` with weights w_r, evaluated in parallel into patterns that
+//! follow its changes.
 //!
 //! Rows are the equations of active constraints. Linear equations come first, in the order in which their constraints were added; then
 //! nonlinear ones, by type in the order of the types' first use, and within a type in the order in which the constraints were added.

@@ -1,8 +1,8 @@
 //! Moments in space at the rotations of bodies.
 //!
-//! A list of loads or forces has one number for each DOF. At the three DOFs of a rotation vector these are the components of a moment in space;
-//! at four Euler parameters they are a zero and then the three components of the moment. Generalised forces, which are conjugate to u, are
-//! `L^T M` there, with the angular velocity `L du/dt`.
+//! A list of loads or forces has one number for each DOF. At the three DOFs of a rotation vector these are the components of a moment M in
+//! space; at four Euler parameters they are a zero and then the three components of M. Generalised forces, which are conjugate to u, are
+//! `L^T M` at rotations, where `L du/dt` is the angular velocity.
 
 use qless::ArgumentError;
 
@@ -46,8 +46,8 @@ impl ConstraintSet {
         })
     }
 
-    /// The inverse of [`ConstraintSet::generalised_forces`]: moments in space at rotations. They are not finite where a rotation vector is a
-    /// whole number of turns, since generalised forces do not determine them there.
+    /// The inverse of [`ConstraintSet::generalised_forces`]: moments in space at rotations. They are not finite where a rotation vector is
+    /// a whole number of turns, since generalised forces do not determine them there.
     ///
     /// # Errors
     /// [`ArgumentError`] if u or the forces do not have length n.

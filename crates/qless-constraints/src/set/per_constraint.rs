@@ -1,4 +1,4 @@
-//! Numbers by constraint: they stay those of their constraints when rows shift.
+//! Numbers that are stored by constraint, so that they stay with their constraints when rows are renumbered.
 //!
 //! Rows are numbered anew when constraints are added, removed, activated or deactivated. A multiplier that is stored by row would then
 //! belong to another constraint.
@@ -85,8 +85,8 @@ impl ConstraintSet {
         all
     }
 
-    /// `c(u)` of a constraint at the configuration of the evaluation, in the order of its equations, also if it is inactive: the gap of an
-    /// open contact.
+    /// `c(u)` of a constraint at the configuration of the evaluation, in the order of its equations. An inactive constraint has values too,
+    /// such as the gap of an open contact.
     ///
     /// ```
     /// use qless_constraints::{ConstraintSet, types::LinearEquation};

@@ -22,7 +22,7 @@ pub struct ConstraintId {
 }
 
 impl ConstraintId {
-    /// Number of constraints added before it.
+    /// Number of constraints that were added before this one.
     pub fn place(self) -> usize {
         self.number as usize
     }
@@ -44,7 +44,7 @@ impl ConstraintIds {
 
     /// All constraints, in order.
     pub fn iter(self) -> impl ExactSizeIterator<Item = ConstraintId> + DoubleEndedIterator {
-        // The exact length of an iterator is a `usize`.
+        // `ExactSizeIterator` needs a range of `usize`.
         (0..self.count as usize).map(move |i| ConstraintId { set: self.set, number: self.first + i as u32 })
     }
 }
@@ -87,7 +87,7 @@ impl ConstraintRegister {
         ids
     }
 
-    /// The number of a constraint that was not removed.
+    /// The number of a constraint; an error if it was removed or belongs to another set.
     pub fn number(&self, id: ConstraintId) -> Result<u32, EditError> {
         if id.set != self.identity {
             return Err(EditError::Foreign);

@@ -1,7 +1,7 @@
 //! Keeps rotation vectors below half a turn: `theta - 2 pi k theta / |theta|` is the same rotation.
 //!
-//! `d(R s)/d theta` loses rank if `|theta|` is a nonzero multiple of 2 pi. To stay away from there, a vector longer than pi is replaced by its
-//! complement, as proposed by Cardona and Géradin (A beam finite element non-linear theory with finite rotations, 1988).
+//! `d(R s)/d theta` loses rank if `|theta|` is a nonzero multiple of 2 pi. To stay away from there, a vector longer than pi is replaced by
+//! its complement, as proposed by Cardona and Géradin (A beam finite element non-linear theory with finite rotations, 1988).
 
 use std::collections::{BTreeMap, HashMap};
 use std::f64::consts::{PI, TAU};
@@ -12,7 +12,7 @@ use crate::equations::dof_uses::NO_DOF;
 use crate::set::{ConstraintSet, long};
 
 impl ConstraintSet {
-    /// The DOFs of rotation vectors that may be replaced by another vector of the same rotation, ascending. O(nonzeros of G).
+    /// The DOFs of rotation vectors that may be replaced by another vector of the same rotation, ascending. Cost: O(nonzeros of G).
     ///
     /// A vector is excluded if one of its DOFs occurs in a linear equation, or in a nonlinear one of a constraint that does not state the
     /// rotation ([`crate::EquationSink::rotation`]): the value of such an equation would change.
@@ -38,8 +38,8 @@ impl ConstraintSet {
 
     /// Replaces rotation vectors longer than pi by the shortest vectors of the same rotation. Returns how many were replaced.
     ///
-    /// Values of c change by rounding only; G and H become those at the new DOFs. Only [`ConstraintSet::rotation_vectors`] are replaced. The
-    /// caller must know whether anything outside the set, such as forces or prescribed values, depends on these DOFs.
+    /// Values of c change by rounding only; G and H become those at the new DOFs. Only [`ConstraintSet::rotation_vectors`] are replaced.
+    /// The caller must know whether anything outside the set, such as forces or prescribed values, depends on these DOFs.
     ///
     /// ```
     /// use qless_constraints::{ConstraintSet, types::{Body, Fixed}};

@@ -1,8 +1,8 @@
 //! Bounds on the rounding errors of c and G at a configuration, by running error analysis.
 //!
-//! [`crate::Nonlinear::value`] is evaluated in dual numbers whose components carry error bounds, so that the size of every term counts even if
-//! terms cancel later. DOFs, parameters and coordinates are assumed known to one unit in the last place; since `x = at + u`, the uncertainty
-//! of a coordinate is added to its DOF. Cost: about ten evaluations.
+//! [`crate::Nonlinear::value`] is evaluated in dual numbers whose components carry error bounds, so that the size of every term counts even
+//! if terms cancel later. DOFs, parameters and coordinates are assumed known to one unit in the last place; since `x = at + u`, the
+//! uncertainty of a coordinate is added to its DOF. Cost: about ten evaluations.
 
 use qless::ArgumentError;
 
@@ -31,7 +31,7 @@ impl Rounding {
         &self.g
     }
 
-    /// The bounds on row `r` of G, in the order of its columns; empty from m on.
+    /// The bounds on row `r` of G, in the order of its columns; empty if there is no row `r`.
     ///
     /// A row of G is indistinguishable from zero if none of its entries exceeds its bound.
     pub fn of_row(&self, r: usize) -> &[f64] {

@@ -113,7 +113,7 @@ impl Nonlinear for Norm {
         c[0] = u.iter().fold(u[0], |sum, &x| sum + x * x * S::from(0.5));
     }
 
-    /// `H = I`.
+    /// Only the pairs of the diagonal, since `H = I`.
     fn pairs(&self, dofs: usize, pair: &mut dyn FnMut(usize, usize)) {
         (0..dofs).for_each(|k| pair(k, k));
     }

@@ -35,7 +35,7 @@ pub struct Distance<P> {
     pub a: P,
     /// The other end.
     pub b: P,
-    /// L, a length; `None` for the distance at u = 0.
+    /// The distance L, a length; `None` for the distance at u = 0.
     pub length: Option<f64>,
 }
 
@@ -87,7 +87,7 @@ impl Constraint for Distance<BodyPoint> {
     }
 }
 
-/// `(|x_b - x_a|^2 - L^2) / (2 L)`.
+/// `c = (|x_b - x_a|^2 - L^2) / (2 L)` for the points `x_a` and `x_b` and the length L.
 pub(super) struct Apart {
     pub length: f64,
 }
@@ -121,7 +121,7 @@ impl<const D: usize> Nonlinear for RodParameters<D> {
         c[0] = (square - S::from(self.length * self.length)) / S::from(2.0 * self.length);
     }
 
-    /// `H = [I -I; -I I] / L`.
+    /// The pairs of `H = [I -I; -I I] / L` with the length L.
     fn pairs(&self, _: usize, pair: &mut dyn FnMut(usize, usize)) {
         for k in 0..D {
             pair(k, k);

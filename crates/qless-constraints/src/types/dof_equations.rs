@@ -1,4 +1,5 @@
-//! Linear equations given by DOFs and coefficients: general (Eq. 2 of the paper), driven in time, prescribed values, equal DOFs.
+//! Linear equations given by DOFs and coefficients: general (Eq. 2 in Appl. Sci. 15 (2025) 13059), driven in time, prescribed values, equal
+//! DOFs.
 
 use std::sync::Arc;
 
@@ -95,7 +96,7 @@ pub enum DrivenError {
 }
 
 impl Driven {
-    /// `sum_j a_j u_j = b(t)`.
+    /// The equation `sum_j a_j u_j = b(t)` with the terms `(j, a_j)` and the right-hand side b.
     pub fn new(
         terms: impl IntoIterator<Item = (usize, f64)>,
         rhs: impl Fn(f64) -> f64 + Send + Sync + 'static,
@@ -135,7 +136,7 @@ impl Constraint for Driven {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prescribed {
-    /// `(DOF, value)`.
+    /// Pairs `(DOF, value)`.
     pub values: Vec<(usize, f64)>,
 }
 
@@ -188,7 +189,7 @@ impl Constraint for Prescribed {
     }
 }
 
-/// Equal DOFs: `u_i - u_0 = 0` for every DOF after the first.
+/// Equal DOFs: `u_i - u_0 = 0` for every listed DOF after the first.
 ///
 #[doc = include_str!("../../docs/pictures/equal.svg")]
 ///

@@ -1,10 +1,10 @@
-//! `e_i . (p - a) = 0`, `i = 1, 2`: a node on a line. If the line is given by two nodes, `e_i` rotate with it.
+//! `e_i . (p - a) = 0`, `i = 1, 2`: a node p on a line through a, with unit vectors `e_i` perpendicular to the line. If the line is given
+//! by two nodes a and b, `e_i` rotate with it.
 //!
-//! Let D be the direction of the line at u = 0, and `d = (b - a) / |b - a|` its current direction. The shortest
-//! rotation from D to d rotates the initial directions `E_i` across the line to
-//! `e_i = E_i - (E_i.d) (D + d) / (1 + D.d)`, unit vectors perpendicular to d and to each other. This formula is
-//! singular for `d = -D`, so beyond 123 degrees the rotation starts from -D instead, and `e_i` jump. A jump is
-//! unavoidable: no choice of `e_i` is continuous for all directions d.
+//! Let D be the direction of the line at u = 0, and `d = (b - a) / |b - a|` its current direction. The initial directions `E_i` are
+//! perpendicular to D. The shortest rotation from D to d rotates them to `e_i = E_i - (E_i.d) (D + d) / (1 + D.d)`, unit vectors
+//! perpendicular to d and to each other. This formula is singular for `d = -D`, so beyond 123 degrees the rotation starts from -D instead,
+//! and `e_i` jump. A jump is unavoidable: no choice of `e_i` is continuous for all directions d.
 
 use crate::geometry::node::{Point, separation};
 use crate::scalar::vector::{Vector, add, dot, lift, norm, perpendicular, scale, sub, unit};
@@ -12,8 +12,8 @@ use crate::scalar::{NO_EXTENT, Scalar};
 use crate::types::joints::attachment::{BodyPoint, PointFunction, on_points};
 use crate::{Constraint, EquationSink};
 
-/// Value of `D.d` below which the rotation starts from -D. It is not a round angle, so models are unlikely to be at the
-/// jump.
+/// Value of `D.d`, with the initial direction D and the current direction d of the line, below which the rotation starts from -D. It is not
+/// a round angle, so models are unlikely to be at the jump.
 const TURNED: f64 = -0.55;
 
 /// The line that a node stays on.
@@ -21,9 +21,9 @@ const TURNED: f64 = -0.55;
 pub enum Line<P = Point> {
     /// A fixed line. If the point is a node, the equations are linear.
     Fixed {
-        /// A point of it, coordinates.
+        /// Coordinates of a point of the line.
         through: Vector<f64>,
-        /// Its direction, of any length.
+        /// Direction of the line, a vector of any length.
         direction: Vector<f64>,
     },
     /// The line through two nodes or points of bodies, which may move. If they coincide, the line has no direction and c is NaN.
@@ -143,16 +143,16 @@ impl PointFunction for FixedLine {
 
 /// The parameters of a line through two nodes.
 struct MovingLine {
-    /// D, the direction at u = 0.
+    /// D, the direction of the line at u = 0.
     along: Vector<f64>,
-    /// The length at u = 0.
+    /// The length of the line at u = 0.
     length: f64,
-    /// The initial directions `E_i`.
+    /// Two unit vectors `E_i` perpendicular to D and to each other.
     across: [Vector<f64>; 2],
 }
 
 impl MovingLine {
-    /// The direction from which the frame is rotated: D, or -D beyond 123 degrees.
+    /// The direction from which the vectors across the line are rotated: that of the line at u = 0, or its opposite beyond 123 degrees.
     fn origin(&self, along: Vector<f64>) -> Vector<f64> {
         scale(if dot(along, self.along) < TURNED { -1.0 } else { 1.0 }, self.along)
     }

@@ -12,9 +12,9 @@ use crate::{Constraint, EquationSink};
 pub enum Plane<P = Point> {
     /// A fixed plane. If the point is a node, the equation is linear.
     Fixed {
-        /// A point of it, coordinates.
+        /// Coordinates of a point of the plane.
         through: Vector<f64>,
-        /// Its normal, of any length.
+        /// Normal of the plane, a vector of any length.
         normal: Vector<f64>,
     },
     /// The plane through three nodes or points of bodies, which may move. If they are collinear, the plane has no normal and c is NaN.
@@ -97,7 +97,7 @@ impl Constraint for OnPlane<BodyPoint> {
             Plane::Nodes(a, b, d) => {
                 let (ab, ad) = (sub(b.at, a.at), sub(d.at, a.at));
                 let (area, sides) = (norm(cross(ab, ad)), norm(ab).max(norm(ad)));
-                // Far from the origin, the rounding of the coordinates alone makes an area.
+                // Far from the origin, the rounding of the coordinates gives even collinear nodes an area.
                 let sound = area > NO_EXTENT * norm(ab) * norm(ad) && area > rounding(&[b.at, d.at], &a.at) * sides;
                 if !sound {
                     return Err(OnPlaneError::Normal);

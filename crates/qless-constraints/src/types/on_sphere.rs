@@ -96,7 +96,7 @@ impl<const D: usize> Nonlinear for Sphere<D> {
         c[0] = (square - S::from(self.radius * self.radius)) / S::from(2.0 * self.radius);
     }
 
-    /// `H = I / R`.
+    /// The pairs of `H = I / R` with the radius R.
     fn pairs(&self, _: usize, pair: &mut dyn FnMut(usize, usize)) {
         (0..D).for_each(|k| pair(k, k));
     }

@@ -1,5 +1,5 @@
-//! `c = (V(x) - V_0) / V_0^(2/3)`, `V = sum over triangles of a . (b x d) / 6`: a patch of tetrahedra with constant
-//! volume.
+//! `c = (V(x) - V_0) / V_0^(2/3)`: a patch of tetrahedra with constant volume `V = sum a . (b x d) / 6` over triangles with corners a, b,
+//! d.
 //!
 //! The triangles are the outer faces of the patch (divergence theorem). The divisor makes c a length.
 
@@ -47,9 +47,9 @@ pub enum VolumeError {
     /// A tetrahedron names a missing node.
     #[error("tetrahedron {tetrahedron}, from 1, names node {node} (from 0), but the patch has {nodes}")]
     NoNode {
-        /// The tetrahedron, from 1.
+        /// Number of the tetrahedron, counted from 1.
         tetrahedron: usize,
-        /// The node, from 0.
+        /// Number of the node, counted from 0.
         node: usize,
         /// Number of nodes of the patch.
         nodes: usize,
@@ -60,9 +60,9 @@ pub enum VolumeError {
          correct its corners or their order"
     )]
     Inverted {
-        /// The tetrahedron, from 1.
+        /// Number of the tetrahedron, counted from 1.
         tetrahedron: usize,
-        /// Its volume.
+        /// Volume of the tetrahedron.
         volume: f64,
     },
     /// Two tetrahedra lie on the same side of a common face: they overlap, or are the same tetrahedron.
@@ -70,9 +70,9 @@ pub enum VolumeError {
         "tetrahedra {first} and {second}, from 1, lie on the same side of their common face; remove one, or correct its corners"
     )]
     Overlap {
-        /// One tetrahedron, from 1.
+        /// Number of one tetrahedron, counted from 1.
         first: usize,
-        /// The other tetrahedron, from 1.
+        /// Number of the other tetrahedron, counted from 1.
         second: usize,
     },
     /// No tetrahedra.
@@ -81,7 +81,7 @@ pub enum VolumeError {
 }
 
 impl Volume {
-    /// Checks the tetrahedra and returns `V_0`.
+    /// Checks the tetrahedra and returns the volume of the patch at u = 0.
     fn volume(&self) -> Result<f64, VolumeError> {
         let mut total = 0.0;
         for (t, corners) in self.tetrahedra.iter().enumerate() {
@@ -168,7 +168,7 @@ pub(super) struct ClosedSurface {
 }
 
 impl ClosedSurface {
-    /// `at` are coordinates relative to one node of the patch; `volume` is `V_0`.
+    /// `at` are coordinates relative to one node of the patch; `volume` is the volume at u = 0.
     pub fn new(at: Vec<Vector<f64>>, triangles: Vec<[u32; 3]>, volume: f64) -> Self {
         let edges = edges(&triangles);
         Self { at, triangles, edges, volume, scale: volume.powf(-2.0 / 3.0) }
@@ -207,7 +207,7 @@ impl Nonlinear for ClosedSurface {
         self.jacobian_in(u, c, g);
     }
 
-    /// `dV / da = sum over triangles of b x d / 6`.
+    /// The volume V has the derivative `dV / da = sum b x d / 6` over the triangles `(a, b, d)` at the corner a.
     fn jacobian_in<S: Scalar>(&self, u: &[S], c: &mut [S], g: &mut [S]) {
         self.value(u, c);
         g.fill(S::from(0.0));

@@ -1,4 +1,4 @@
-//! Compares the formulas of a constraint with dual numbers.
+//! Compares the derivatives that a constraint type computes by formulas with those by dual numbers.
 
 use crate::Nonlinear;
 use crate::nonlinear::jacobian;

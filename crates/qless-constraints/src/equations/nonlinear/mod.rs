@@ -16,7 +16,7 @@ use crate::scalar::Bounded;
 #[cfg(test)]
 use crate::scalar::double_double::DoubleDouble;
 
-/// All items of one type.
+/// A batch: all items of one type. An item holds the parameters and the DOFs of one call of [`crate::EquationSink::nonlinear`].
 pub trait NonlinearBatch: Send + Sync {
     fn items(&self) -> usize;
     /// Names of the equations of each item.
@@ -31,11 +31,12 @@ pub trait NonlinearBatch: Send + Sync {
     fn evaluate(&self, items: Range<usize>, u: &[f64], c: &mut [f64], g: &mut [f64]);
     /// Writes bounds on the rounding errors of c and G of some items.
     fn rounding(&self, items: Range<usize>, known: &UncertainDofs, c: &mut [f64], g: &mut [f64]);
-    /// How many Hessian numbers some items have.
+    /// How many numbers [`Nonlinear::hessian`] computes for some items.
     fn numbers(&self, items: Range<usize>) -> usize;
-    /// Calls `entry(row, column, number)` for each contribution to H, with numbers counted from `first`.
+    /// Calls `entry(row, column, number)` for each contribution to H. `number` is the index of its value in the list of all Hessian
+    /// numbers, in which those of this batch start at `first`.
     fn entries(&self, first: usize, entry: &mut dyn FnMut(u32, u32, u32));
-    /// Writes the Hessian numbers of some items, one item after the other; `w` are the weights of their equations.
+    /// Writes the numbers of [`Nonlinear::hessian`] for some items, one item after the other; `w` are the weights of their equations.
     fn curvatures(&self, items: Range<usize>, u: &[f64], w: &[f64], out: &mut [f64]);
     /// The DOFs of an item.
     fn dofs_of(&self, i: usize) -> &[u32];
@@ -79,10 +80,10 @@ impl dyn NonlinearBatch + '_ {
     }
 }
 
-/// An item of any type that is not stored in a batch. `dofs` are the DOFs of all items of its constraint.
+/// An item of any type that is not stored in a batch. The argument `dofs` holds the DOFs of all items of its constraint.
 pub trait StagedNonlinear: Send + Sync {
     fn rows(&self) -> usize;
-    /// The number of the item's type in the set; `None` if the set does not know the type yet.
+    /// Index of the batch of the item's type; `None` if the set has no such batch yet.
     fn kind(&self, nonlinear: &NonlinearEquations) -> Option<usize>;
     /// Evaluates parameters that are functions of time. The error is a value that is not finite.
     fn at_time(&mut self, time: f64) -> Result<(), f64>;
@@ -96,7 +97,7 @@ pub trait StagedNonlinear: Send + Sync {
         names: &mut EquationNames,
         nonlinear: &mut NonlinearEquations,
     );
-    /// Whether item i of a batch has the same type, DOFs and pairs, so that this one can replace it.
+    /// Whether the item at `place`, `(batch, item)`, has the same type, DOFs and DOF pairs, so that this one can replace it.
     fn fits(&self, dofs: &[u32], place: (usize, usize), nonlinear: &mut NonlinearEquations) -> bool;
     /// Replaces the item at `place` by this one.
     fn overwrite(

@@ -14,14 +14,14 @@ use crate::scalar::Bounded;
 #[cfg(test)]
 use crate::scalar::double_double::DoubleDouble;
 
-/// Items of type Q.
+/// The batch of all items whose parameters have the type Q.
 pub struct TypedBatch<Q> {
     items: Vec<Q>,
     owners: Vec<EquationOwner>,
     /// Start of each item's DOFs, and at the end the number of DOFs.
     start: Vec<usize>,
     dofs: Vec<u32>,
-    /// Number of Hessian numbers of each item.
+    /// How many numbers [`Nonlinear::hessian`] computes for each item.
     numbers: Vec<u32>,
 }
 
@@ -31,10 +31,10 @@ impl<Q> Default for TypedBatch<Q> {
     }
 }
 
-/// An item outside of a batch.
+/// An item that is not in a batch, since its constraint is new or inactive.
 pub struct StagedItem<Q> {
     pub name: Cow<'static, str>,
-    /// Positions of its DOFs in the list of DOFs of all items of the constraint.
+    /// Positions of the item's DOFs in the list of DOFs of all items of its constraint.
     pub dofs: Range<usize>,
     pub parameters: Q,
 }
@@ -62,7 +62,7 @@ impl<Q: Nonlinear> TypedBatch<Q> {
         self.owners.insert(i, owner);
     }
 
-    /// Writes c and the Jacobian of items of N DOFs, so that loops have a fixed length.
+    /// Writes c and the Jacobian of items with N DOFs each. N is a constant, so that loops have a fixed length.
     fn evaluate_fixed<const N: usize>(&self, items: Range<usize>, u: &[f64], c: &mut [f64], g: &mut [f64]) {
         let rows = Q::EQUATION_NAMES.len();
         let dofs = self.dofs[N * items.start..N * items.end].as_chunks::<N>().0;
@@ -74,7 +74,7 @@ impl<Q: Nonlinear> TypedBatch<Q> {
         }
     }
 
-    /// Calls `of(item, DOFs, c, Jacobian)` for some items.
+    /// Calls `of(item, c, Jacobian)` for some items, and sorts the rows of each Jacobian by column.
     fn for_each(
         &self,
         items: Range<usize>,
@@ -104,7 +104,7 @@ fn in_columns(dofs: &[u32], g: &mut [f64]) {
     }
 }
 
-/// Number of Hessian numbers of an item.
+/// How many numbers [`Nonlinear::hessian`] computes for an item.
 fn numbers<Q: Nonlinear>(parameters: &Q, dofs: usize) -> u32 {
     let mut pairs = 0;
     parameters.pairs(dofs, &mut |_, _| pairs += 1);

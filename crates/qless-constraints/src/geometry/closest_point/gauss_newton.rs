@@ -1,5 +1,5 @@
-//! `min_xi |x(xi)|` by Gauss-Newton: the parameters nearest to the origin, on an element or on its continuation beyond
-//! the boundary.
+//! `min_xi |x(xi)|` by Gauss-Newton: the parameters xi of the point nearest to the origin, on an element or on its continuation beyond the
+//! boundary.
 
 use crate::geometry::shape::{Shape, ShapeParameters};
 use crate::scalar::{HALF_DIGITS, NO_EXTENT};
@@ -13,7 +13,7 @@ const MAX_HALVINGS: usize = 12;
 /// Tangents are dependent if the sine of their angle is at most this.
 pub const DEPENDENT: f64 = 1e-7;
 
-/// Result of the iteration.
+/// Result of the Gauss-Newton iteration.
 pub struct ClosestParameters {
     /// Parameters, inside the element or outside.
     pub xi: ShapeParameters,
@@ -21,8 +21,8 @@ pub struct ClosestParameters {
     pub converged: bool,
 }
 
-/// The parameters nearest to the origin, not restricted to the element. Returns `None` if the element is degenerate at
-/// the starting point.
+/// The parameters of the point nearest to the origin, inside the element or outside. Returns `None` if the element is degenerate at the
+/// starting point.
 pub fn closest_parameters<const D: usize>(
     shape: Shape,
     nodes: &[[f64; D]],
@@ -70,7 +70,7 @@ pub fn descend<const D: usize>(shape: Shape, nodes: &[[f64; D]], start: ShapePar
     xi
 }
 
-/// `x` and `dx / dxi_k`.
+/// The point `x(xi)` of an element, and its derivatives `dx / dxi_k`.
 pub fn tangents<const D: usize>(shape: Shape, nodes: &[[f64; D]], xi: ShapeParameters) -> ([f64; D], [[f64; D]; 3]) {
     let n = shape.slopes(xi);
     let part = |k: usize| std::array::from_fn(|d| nodes.iter().zip(&n).map(|(x, n)| n[k] * x[d]).sum());

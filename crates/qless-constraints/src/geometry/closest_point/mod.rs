@@ -15,7 +15,7 @@ use proof::is_nearest;
 
 /// The point of an element nearest to a given point.
 pub struct Projection {
-    /// `N_k` at the nearest point. They sum to one, and those that are only rounding are exactly zero.
+    /// The shape functions `N_k` at the nearest point. They sum to one, and those that are only rounding are exactly zero.
     pub weights: Vec<f64>,
     /// Distance from the given point to the element.
     pub distance: f64,
@@ -104,9 +104,9 @@ pub fn complete_weights(mut weights: Vec<f64>, blur: f64) -> Vec<f64> {
     weights
 }
 
-/// The result of the iteration from the centre, or a result inside the element from another start.
+/// The result of Gauss-Newton from the centre or, if that lies outside the element, a result inside it from another start.
 ///
-/// If the element fills its space, at most one of its points is the origin. But the iteration from the centre may end
+/// If the element has as many dimensions as the space, at most one of its points is the origin. But the iteration from the centre may end
 /// outside at another solution.
 fn inside_or_first<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> Option<ClosestParameters> {
     let first = closest_parameters(shape, nodes, shape.centre())?;
@@ -130,8 +130,8 @@ mod tests {
     use super::super::shape::tests::{inside, random};
     use super::*;
 
-    /// `xi(x(xi)) = xi` for every distorted shape, in every unit, also far away. At a corner all other weights are
-    /// exactly zero.
+    /// Projection inverts the map, `xi(x(xi)) = xi`, for every distorted shape, in every unit of length, also far from the origin. At a
+    /// corner, the weights of all other nodes are exactly zero.
     #[test]
     fn maps_are_inverted() {
         for (shape, seed) in Shape::ALL.into_iter().flat_map(|shape| (0..20).map(move |seed| (shape, seed))) {
@@ -161,7 +161,7 @@ mod tests {
         }
     }
 
-    /// Beyond an oblique edge, the nearest point is on that edge; clamped parameters are another point.
+    /// For a point beyond an oblique edge, the nearest point of the face is on that edge; clamping the parameters gives another point.
     #[test]
     fn nearest_point_of_a_skew_face_is_on_its_edge() {
         let triangle = [[0.0, 0.0], [1.0, 0.0], [3.0, 1.0]];
@@ -175,8 +175,8 @@ mod tests {
         (0..41 * 41).map(move |i| shape.clamp([at(i % 41), at(i / 41), 0.0]))
     }
 
-    /// On distorted curved lines and faces, in every unit, no point of a grid is nearer, and points of the face are
-    /// found.
+    /// On distorted curved lines and faces, in every unit, no grid point is nearer than the result. For a point of the face, the distance
+    /// is zero.
     #[test]
     fn no_point_of_a_distorted_face_is_nearer() {
         let faces = || Shape::ALL.into_iter().filter(|shape| shape.dimensions() < 3);

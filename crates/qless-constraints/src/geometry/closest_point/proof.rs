@@ -24,13 +24,13 @@ pub fn is_nearest<const D: usize>(shape: Shape, nodes: &[[f64; D]], xi: ShapePar
     let (x, slopes) = tangents(shape, nodes, xi);
     let distance = dot(&x, &x).sqrt();
     let size = nodes.iter().map(|x| dot(x, x)).fold(0.0, f64::max).sqrt();
-    // The origin lies on the element.
+    // If the origin lies on the element, no other point is nearer.
     if distance <= ROUNDING * size {
         return true;
     }
     let n = shape.dimensions();
     let descent = slopes.map(|slope| -dot(&x, &slope));
-    // A length squared: changes below it are rounding.
+    // Changes of the squared distance below this are rounding.
     let least = (NO_EXTENT * distance + ROUNDING * size) * size;
     let falls = |to: &ShapeParameters| (0..n).map(|k| descent[k] * (to[k] - xi[k])).sum::<f64>() > least;
     if shape.corners().iter().any(falls) {
@@ -40,7 +40,7 @@ pub fn is_nearest<const D: usize>(shape: Shape, nodes: &[[f64; D]], xi: ShapePar
     let farthest = |k: usize| shape.corners().iter().map(|to| (to[k] - xi[k]).abs()).fold(0.0, f64::max);
     let reach = (0..n).map(|k| lengths[k] * farthest(k)).fold(0.0, f64::hypot);
     let [kappa, nu] = second_derivatives(shape, nodes, &x.map(|x| x / distance), lengths);
-    // Flat up to rounding. The nearer the point, the less accurate are the direction to it and nu.
+    // Whether the element is flat up to rounding. The nearer the point, the less accurate are the direction to it and nu.
     let is_flat = distance * nu * reach * reach <= least;
     let cosine = if n == 2 { dot(&slopes[0], &slopes[1]) / (lengths[0] * lengths[1]) } else { 0.0 };
     let straight = (1.0 - cosine.abs()).sqrt() - 0.5 * kappa * reach;

@@ -5,7 +5,7 @@ use super::Shape;
 /// Parameters `xi, eta, zeta`; unused ones are zero.
 pub(crate) type ShapeParameters = [f64; 3];
 
-/// The corners, and the middles of the edges; other nodes are zero.
+/// Parameters of the corners and of the middles of the edges; those of other nodes are zero.
 const fn with_middles<const N: usize>(corners: &[ShapeParameters], shape: Shape) -> [ShapeParameters; N] {
     let (mut all, mut k) = ([[0.0; 3]; N], 0);
     while k < corners.len() {

@@ -1,5 +1,4 @@
-//! Shape functions `N_k` and their derivatives. Dual numbers derive the latter from the same formulas, exact to
-//! rounding.
+//! Shape functions `N_k` and their derivatives. The derivatives come from the same formulas by dual numbers, exact to rounding.
 
 use super::Shape;
 use super::domain::ShapeParameters;
@@ -12,7 +11,7 @@ impl Shape {
         self.weights(variables).iter().map(|n| [n.real, n.slope[0], n.slope[1], n.slope[2]]).collect()
     }
 
-    /// `N_k` of each node.
+    /// The shape function `N_k` of each node.
     pub(crate) fn weights<S: Scalar>(self, xi: [S; 3]) -> Vec<S> {
         let one = S::from(1.0);
         let node =
@@ -54,8 +53,9 @@ fn quadratic<S: Scalar>(a: f64, x: S) -> S {
     if a == 0.0 { bubble(x) } else { side(a, x) * S::from(a) * x }
 }
 
-/// `prod side * (sum a_i x_i - (d - 1))` at a corner; at a mid-edge node, the bubble along the edge times the sides in
-/// the other directions.
+/// The serendipity function of the node at `place` a in d dimensions. With `side_i = (1 + a_i x_i) / 2`, it is
+/// `prod_i side_i * (sum_i a_i x_i - (d - 1))` at a corner; at a mid-edge node, it is `1 - x^2` along the edge times the sides in the other
+/// directions.
 fn serendipity<S: Scalar, const D: usize>(place: [f64; D], xi: [S; D]) -> S {
     let at_edge = place.contains(&0.0);
     let factor = |k: usize| if place[k] == 0.0 { bubble(xi[k]) } else { side(place[k], xi[k]) };
@@ -64,8 +64,8 @@ fn serendipity<S: Scalar, const D: usize>(place: [f64; D], xi: [S; D]) -> S {
     if at_edge { product } else { product * sum }
 }
 
-/// In area or volume coordinates l: `l` for linear shapes; for quadratic ones `l (2 l - 1)` at corners and `4 l_i l_j`
-/// at edges.
+/// Shape functions of a triangle or tetrahedron in area or volume coordinates l: `l` for linear shapes; for quadratic ones `l (2 l - 1)` at
+/// corners and `4 l_i l_j` at edges.
 fn simplex<S: Scalar>(l: &[S], shape: Shape) -> Vec<S> {
     if shape.edges().is_empty() {
         return l.to_vec();
@@ -74,8 +74,9 @@ fn simplex<S: Scalar>(l: &[S], shape: Shape) -> Vec<S> {
     corners.chain(shape.edges().iter().map(|&[_, i, j]| S::from(4.0) * l[i] * l[j])).collect()
 }
 
-/// The wedge with 15 nodes, area coordinates l and `side = (1 + a z) / 2` of the triangle at `z = a`, which is -1 or 1:
-/// `l side (2 l - 2 + a z)` at corners, `4 l_i l_j side` amid the edges of the triangles, `l (1 - z^2)` amid the edges that join them.
+/// Shape functions of the wedge with 15 nodes, in area coordinates l and with `side = (1 + a z) / 2` of the triangle at `z = a`, which is
+/// -1 or 1: `l side (2 l - 2 + a z)` at corners, `4 l_i l_j side` amid the edges of the triangles, `l (1 - z^2)` amid the edges that join
+/// them.
 fn quadratic_wedge<S: Scalar>(l: [S; 3], z: S) -> Vec<S> {
     let [two, four] = [2.0, 4.0].map(S::from);
     let ends = || [-1.0, 1.0].into_iter().flat_map(|a| (0..3).map(move |i| (a, i)));
@@ -84,13 +85,13 @@ fn quadratic_wedge<S: Scalar>(l: [S; 3], z: S) -> Vec<S> {
     corners.chain(around).chain((0..3).map(|i| l[i] * bubble(z))).collect()
 }
 
-/// `corner / 4` at the base, z at the tip.
+/// Shape functions of the pyramid with 5 nodes: a quarter of [`corner`] at the nodes of the base, z at the tip.
 fn pyramid<S: Scalar>(xi: [S; 3]) -> Vec<S> {
     let base = |&[a, b, _]: &ShapeParameters| corner([a, b], xi) * S::from(0.25);
     Shape::Quad4.places().iter().map(base).chain([xi[2]]).collect()
 }
 
-/// `(q + a x)(q + b y) / q` with `q = 1 - z`.
+/// `(q + a x)(q + b y) / q` with `q = 1 - z`: four times the linear shape function of the corner `(a, b)` of a pyramid's base.
 fn corner<S: Scalar>([a, b]: [f64; 2], [x, y, z]: [S; 3]) -> S {
     let q = S::from(1.0) - z;
     // x y / q tends to zero at the tip on every path inside the pyramid.
@@ -98,8 +99,8 @@ fn corner<S: Scalar>([a, b]: [f64; 2], [x, y, z]: [S; 3]) -> S {
     q + S::from(a) * x + S::from(b) * y + S::from(a * b) * twist
 }
 
-/// `corner (a x + b y - 1) / 4` at corners of the base, `z (2 z - 1)` at the tip, `(q - x)(q + x)(q + b y) / (2 q)` at
-/// edges of the base along x, `z corner` at edges to the tip.
+/// Shape functions of the pyramid with 13 nodes, with `q = 1 - z` and [`corner`]: `corner (a x + b y - 1) / 4` at corners of the base,
+/// `z (2 z - 1)` at the tip, `(q - x)(q + x)(q + b y) / (2 q)` at edges of the base along x, `z corner` at edges to the tip.
 fn quadratic_pyramid<S: Scalar>([x, y, z]: [S; 3]) -> Vec<S> {
     let (q, [quarter, half]) = (S::from(1.0) - z, [0.25, 0.5].map(S::from));
     let base = |a: f64, b: f64| corner([a, b], [x, y, z]);

@@ -1,11 +1,11 @@
-//! `G = dc/du` and `H = d(G^T w)/du`.
+//! Checks `G = dc/du` and `H = d(G^T w)/du` with weights w.
 
 use super::every_type::{DOFS, random, set};
 
 type Outcome = Result<(), Box<dyn std::error::Error>>;
 
 fn configurations() -> impl Iterator<Item = Vec<f64>> {
-    // The reference configuration, one near it (series of rotation vectors), and general ones.
+    // The reference configuration, one near it (where rotation vectors use series), and general ones.
     [0.0, 1e-6, 0.3, 1.0, 1.7, 3.5].into_iter().map(|size| (0..DOFS as u64).map(|j| size * random(j + 1000)).collect())
 }
 

@@ -1,4 +1,4 @@
-//! `c = G u - b` for equations of different lengths, with near and distant DOFs, and with repeated coefficient lists.
+//! Checks `c = G u - b` for equations of different lengths, with near and distant DOFs, and with repeated coefficient lists.
 
 use super::every_type::random;
 use crate::ConstraintSet;

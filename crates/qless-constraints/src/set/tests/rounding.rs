@@ -1,6 +1,7 @@
-//! Rounding bounds of c and G against double-double arithmetic, with DOFs moved within their uncertainty.
+//! Compares rounding bounds of c and G with double-double arithmetic, with DOFs moved within their uncertainty.
 //!
-//! The errors are those of [`crate::ConstraintSet::evaluate`], so that formulas written by hand must meet the bounds of the general evaluation.
+//! The errors are those of [`crate::ConstraintSet::evaluate`], so that formulas written by hand must meet the bounds of the general
+//! evaluation.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -10,7 +11,7 @@ use crate::scalar::double_double::DoubleDouble;
 
 type Outcome = Result<(), Box<dyn std::error::Error>>;
 
-/// A random configuration of this size; lengths are in the unit.
+/// A random configuration of this size. Lengths are multiples of `unit`, rotations are in radians.
 fn configuration(unit: f64, size: f64, seed: u64) -> Vec<f64> {
     let turns = |j: usize| ROTATIONS.iter().any(|range| range.contains(&j));
     let scale = |j: usize| if turns(j) { size } else { size * unit };

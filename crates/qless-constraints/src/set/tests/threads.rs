@@ -8,7 +8,7 @@ use super::every_type::random;
 use crate::types::{Body, Distance, LinearEquation, OnSphere, Point, RigidBody};
 use crate::{ConstraintSet, Evaluation};
 
-/// Evaluates in two passes, and in one.
+/// Evaluates c, G and H in two passes, and in one.
 fn evaluate(set: &ConstraintSet, u: &[f64], w: &[f64], threads: usize) -> Option<[Evaluation; 2]> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().ok()?;
     let [mut apart, mut at_once] = [set.allocate(), set.allocate()];

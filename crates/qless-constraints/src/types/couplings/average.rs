@@ -1,5 +1,5 @@
-//! `min sum_i w_i |u_i - u_r - theta x r_i|^2`: a reference node that follows the weighted average of other nodes
-//! (RBE3).
+//! `min sum_i w_i |u_i - u_r - theta x r_i|^2`: a reference node, with the displacement `u_r` and the rotation theta, that follows the
+//! weighted average of other nodes at `r_i` from it (RBE3).
 
 use super::equations::{RepeatedNodes, check, lead};
 use super::mean_rigid_motion::{MotionObservation, RigidMotionFit};
@@ -70,8 +70,8 @@ impl Average {
         Ok(())
     }
 
-    /// L, or 1 if all nodes coincide with the reference. In that case translations and rotations are fitted separately, so
-    /// L has no effect.
+    /// The mean distance L of the nodes from the reference, or 1 if all nodes coincide with it. In that case translations and rotations are
+    /// fitted separately, so L has no effect.
     fn mean_arm(&self) -> f64 {
         let length = |(node, _): &(Node6, f64)| hypot(arm(node.at, self.reference.at));
         let mean = self.nodes.iter().map(length).map(|length| length / self.nodes.len() as f64).sum();
@@ -122,7 +122,7 @@ mod tests {
     use super::*;
     use crate::types::Component;
 
-    /// L is the mean distance of all nodes in the list, or 1 if they coincide with the reference.
+    /// L is the mean distance of all listed nodes from the reference, or 1 if they coincide with it.
     #[test]
     fn arm_is_the_mean_distance() {
         let node = |x: f64| (Node6::new([7, 8, 9], [10, 11, 12], [x, 0.0, 0.0]), 1.0);

@@ -70,7 +70,7 @@ impl BeamToSolid {
         used.into_iter().map(|i| (i, self.face.nodes[i].into())).collect()
     }
 
-    /// `e . u_i = e . (u_b + theta x r_i)` at each node.
+    /// Adds `e . u_i = e . (u_b + theta x r_i)` at each node i of the face, which is at `r_i` from the beam's node b.
     fn equation_per_node(&self, sink: &mut EquationSink, e: Vector<f64>, name: &str) -> Result<(), CouplingError> {
         for (i, node) in self.nodes() {
             let terms = self.along(i, e, 1.0).collect();

@@ -1,4 +1,5 @@
-//! `sum_j a_j u_j - d . q = 0`: checks of the nodes of a coupling, and its equations.
+//! Checks the nodes of a coupling, and adds its equations `sum_j a_j u_j - motion . q = 0`, where q are the six components of the
+//! reference.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -27,8 +28,8 @@ pub fn follow(
     Ok(())
 }
 
-/// Factors of `motion . q` for the components of the reference. Factors that are only rounding, relative to others of
-/// their kind, are left out.
+/// Factors of `motion . q` for the components q of the reference. A factor that is only rounding, relative to the others of its kind
+/// (translations or rotations), is left out.
 fn in_axes(reference: &Node6, motion: [f64; 6]) -> impl Iterator<Item = (Component, f64)> {
     let factor = |component: Component| {
         let kind =
@@ -44,7 +45,7 @@ fn missing(part: &str, component: Component, factor: f64) -> CouplingError {
     CouplingError::MissingDof { part: part.to_owned(), component, factor }
 }
 
-/// Adds `motion . q - sum_j a_j u_j = 0`: the reference follows a mean of other DOFs.
+/// Adds `motion . q - sum_j a_j u_j = 0`: the reference, with the components q, follows a mean of other DOFs.
 pub fn lead(
     sink: &mut EquationSink,
     part: String,
@@ -87,7 +88,7 @@ pub enum RepeatedNodes {
     Allowed,
 }
 
-/// Position of the node in the list, component, and coordinates.
+/// What a DOF stands for: position of its node in the list, component, and coordinates of the node.
 type DofMeaning = (usize, usize, Vector<f64>);
 
 /// The meaning of each DOF seen so far.

@@ -16,13 +16,13 @@ pub enum CouplingError {
         "every DOF of node {node}, from 1 (0 is the reference), is None; name those that are coupled, or remove the node"
     )]
     NoComponents {
-        /// The node, from 1; 0 for the reference.
+        /// Number of the node, counted from 1; 0 for the reference.
         node: usize,
     },
     /// The coordinates of a node are not finite.
     #[error("the coordinates of node {node}, from 1 (0 is the reference), are not finite; correct them")]
     NoPlace {
-        /// The node, from 1; 0 for the reference.
+        /// Number of the node, counted from 1; 0 for the reference.
         node: usize,
     },
     /// A DOF is used twice.
@@ -31,7 +31,7 @@ pub enum CouplingError {
          node; each node needs DOFs of its own, and may be listed once"
     )]
     SharedDof {
-        /// The node, from 1; 0 for the reference.
+        /// Number of the node, counted from 1; 0 for the reference.
         node: usize,
         /// The DOF.
         dof: usize,
@@ -42,7 +42,7 @@ pub enum CouplingError {
          remove the component"
     )]
     LocalAxis {
-        /// The node, from 1; 0 for the reference.
+        /// Number of the node, counted from 1; 0 for the reference.
         node: usize,
         /// The component in the local axes of the node.
         component: Component,
@@ -63,9 +63,9 @@ pub enum CouplingError {
     /// A weight is not a positive number.
     #[error("weight {node}, from 1, is {weight}; weights must be positive")]
     Weight {
-        /// The node, from 1.
+        /// Number of the node, counted from 1.
         node: usize,
-        /// Its weight.
+        /// Weight of the node.
         weight: f64,
     },
     /// The nodes do not determine the motion of the reference.
@@ -88,7 +88,7 @@ pub enum CouplingError {
          couple all three or none, or use a hinge"
     )]
     PartOfRotations {
-        /// The node, from 1.
+        /// Number of the node, counted from 1.
         node: usize,
     },
     /// The body has no rotations.
@@ -105,9 +105,9 @@ pub enum CouplingError {
     /// A line of nodes through the thickness is invalid.
     #[error("line {line}, from 1, {fault}")]
     Line {
-        /// The line, from 1.
+        /// Number of the line, counted from 1.
         line: usize,
-        /// What is wrong with it.
+        /// What is wrong with the line.
         fault: LineFault,
     },
     /// A node of the face belongs to no line.
@@ -115,7 +115,7 @@ pub enum CouplingError {
         "node {node} (from 0) of the face belongs to no line, so that no shell node takes its share of the area; add it to one"
     )]
     NotInLine {
-        /// The node, from 0, of the surface.
+        /// Index of the node in the surface, from 0.
         node: usize,
     },
 }
@@ -130,7 +130,7 @@ pub enum LineFault {
     /// A node belongs to no face, or is listed twice.
     #[error("names node {node} (from 0), which belongs to no face, or is listed in another line or twice in this one")]
     Node {
-        /// The node, from 0, of the surface.
+        /// Index of the node in the surface, from 0.
         node: usize,
     },
     /// A node lies off the line.
@@ -138,9 +138,9 @@ pub enum LineFault {
         "is not straight: node {node} (from 0) is {distance} away from it, more than a hundredth of its length {length}"
     )]
     Bent {
-        /// The node, from 0, of the surface.
+        /// Index of the node in the surface, from 0.
         node: usize,
-        /// Its distance from the line.
+        /// Distance of the node from the line.
         distance: f64,
         /// The length of the line.
         length: f64,
@@ -164,7 +164,7 @@ pub enum LineFault {
         "names node {node} (from 0) with DOF {dof}, which occurs twice in this node or also in another node; each node needs DOFs of its own"
     )]
     SharedDof {
-        /// The node, from 0, of the surface.
+        /// Index of the node in the surface, from 0.
         node: usize,
         /// The DOF.
         dof: usize,

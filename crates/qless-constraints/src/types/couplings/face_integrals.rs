@@ -12,13 +12,13 @@ use crate::types::CouplingError;
 
 /// A quadrature point.
 pub struct GaussPoint {
-    /// Index of its face.
+    /// Index of the face that the point lies on.
     pub face: usize,
     /// Shape functions `N_k` of the nodes of the face.
     pub functions: Vec<f64>,
-    /// Its coordinates.
+    /// Coordinates of the point.
     pub at: Vector<f64>,
-    /// The normal, scaled to the quadrature weight (an area).
+    /// The normal vector; its length is the quadrature weight, an area.
     pub normal: Vector<f64>,
 }
 
@@ -46,8 +46,8 @@ fn on_face(surface: &Surface<3>, face: usize) -> impl Iterator<Item = GaussPoint
     })
 }
 
-/// `N_k`, x and `dx/dxi x dx/deta` at a point of a face. Coordinates are relative to the first node, so that a plane z
-/// = const stays exact.
+/// The shape functions `N_k`, the point x and the normal `dx/dxi x dx/deta` of a face at the parameters `xi`. Coordinates are relative to
+/// the first node, so that a plane with constant z stays exact.
 pub fn point(shape: Shape, places: &[Vector<f64>], xi: ShapeParameters) -> (Vec<f64>, Vector<f64>, Vector<f64>) {
     let n = shape.slopes(xi);
     let arms = || places.iter().map(|&x| sub(x, places[0]));

@@ -62,10 +62,10 @@ impl Constraint for FluidNormal {
     }
 }
 
-/// Cosine of 30 degrees, the largest angle between the normal of a face and the mean normal at a node.
+/// Cosine of 30 degrees, the largest allowed angle between the normal of a face and the mean normal at a node.
 const CREASE: f64 = 0.866;
 
-/// A fluid in pressure form at a wall whose mesh differs from that of the fluid (Eq. A7 of the paper).
+/// A fluid in pressure form at a wall whose mesh differs from that of the fluid (Eq. A7 in Appl. Sci. 15 (2025) 13059).
 ///
 /// `u_n,j - n_j . sum_k N_k(xi_j) u_k = 0` for each node j of the fluid's side of the interface. The DOF `u_n,j` is the
 /// normal displacement at node j; it equals that of the nearest point of the structure. The user's matrices must couple
@@ -112,7 +112,7 @@ pub struct FluidWall {
 /// A node of the fluid at the interface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FluidNode {
-    /// The DOF `u_n`, 0-based.
+    /// The DOF of the normal displacement `u_n`, 0-based.
     pub normal: usize,
     /// Coordinates at u = 0, a length.
     pub at: Vector<f64>,
@@ -131,9 +131,9 @@ pub enum FluidWallError {
     /// A face of the fluid is a line or a solid.
     #[error("face {face}, from 1, of the fluid is a {shape:?}, which has no normal; give faces")]
     NoFace {
-        /// Its shape.
+        /// Shape of the face.
         shape: Shape,
-        /// The face, from 1.
+        /// Number of the face, counted from 1.
         face: usize,
     },
     /// A DOF is used twice.
@@ -141,7 +141,7 @@ pub enum FluidWallError {
         "DOF {dof} of node {node}, from 1, of the fluid also belongs to another node or to the wall; each needs its own"
     )]
     SharedDof {
-        /// The node, from 1.
+        /// Number of the node, counted from 1.
         node: usize,
         /// The DOF.
         dof: usize,
@@ -152,9 +152,9 @@ pub enum FluidWallError {
          {cosine}, below 0.866: split the wall at its edge, with a DOF for each side, or reverse faces that point to the other side"
     )]
     Crease {
-        /// The node, from 1.
+        /// Number of the node, counted from 1.
         node: usize,
-        /// The face, from 1.
+        /// Number of the face, counted from 1.
         face: usize,
         /// Cosine of the angle between the normals.
         cosine: f64,

@@ -15,7 +15,7 @@ use crate::geometry::surface::Surface;
 use crate::scalar::vector::{Vector, add, axis, cross, hypot, scale};
 use crate::scalar::{HALF_DIGITS, clean, complete};
 
-/// Relative error of an arm: a few operations on the coordinates.
+/// Rounding error of an arm, relative to the largest coordinate: an arm takes a few operations on coordinates.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// One observed component of the motion of a point.
@@ -36,7 +36,8 @@ pub struct RigidMotionFit {
     centre: Vector<f64>,
     /// The scale of rotations, a length.
     length: f64,
-    /// Largest singular value that counts as zero. Nodes count as on a line if they deviate from it by less than about 1e-8 of its length.
+    /// Largest singular value that counts as zero. As a result, nodes count as on a line if they deviate from it by less than about 1e-8 of
+    /// its length.
     least: f64,
     /// Size of the coordinates over the size of the arms, at least 1: the factor by which the rounding of coordinates
     /// grows.
@@ -78,8 +79,8 @@ impl RigidMotionFit {
         Ok(self.factors.scaled.iter().zip(&self.roots).map(coefficient).collect())
     }
 
-    /// `motion . q(place)` in terms of the scaled motion of the centre. With `motion = (d, t)` and the arm a from the centre:
-    /// `d . (v + omega x a) + t . omega = d . v + (a x d + t) . omega`.
+    /// `motion . q(place)` in terms of the motion `(v, omega)` of the centre, with the rotation omega scaled to a length. With
+    /// `motion = (d, t)` and the arm a from the centre: `d . (v + omega x a) + t . omega = d . v + (a x d + t) . omega`.
     fn about_centre(&self, [a, b, c, d, e, f]: [f64; 6], place: Vector<f64>) -> [f64; 6] {
         let turn = add(cross(arm(place, self.centre), [a, b, c]), [d, e, f]);
         [a, b, c, turn[0] / self.length, turn[1] / self.length, turn[2] / self.length]
@@ -105,7 +106,8 @@ impl RigidMotionFit {
     }
 }
 
-/// The weighted mean of the positions, computed relative to the first, and the largest coordinate.
+/// Returns the weighted mean of the positions of observed translations, and the largest magnitude of a coordinate. The mean is computed
+/// relative to the first position, which keeps its digits far from the origin.
 fn centre(observations: &[MotionObservation]) -> (Vector<f64>, f64) {
     let Some(first) = observations.first() else { return ([0.0; 3], 0.0) };
     let most = observations.iter().fold(0.0, |most: f64, o| most.max(o.root));
@@ -156,7 +158,8 @@ impl MeanRigidMotion {
         Self { points, fit }
     }
 
-    /// Terms of `motion . q`: `sum_g a_g N_i(x_g)` for each DOF of the face, where q is the mean motion at `place`.
+    /// Terms of `motion . q`, where q is the mean motion at `place`: `sum_g a_g N_i(x_g)` for each DOF of the face, with the factors `a_g`
+    /// of the quadrature points `x_g`.
     pub fn terms(
         &self,
         face: &Surface<3>,
@@ -172,7 +175,7 @@ impl MeanRigidMotion {
             }
         }
         clean(nodes.values_mut().flatten(), self.fit.blur);
-        // Far from the origin, the entries that are set to zero would otherwise change a translation.
+        // Far from the origin, `clean` sets larger entries to zero. The sums are corrected, so that translations of the face stay exact.
         for (k, &sum) in motion[..3].iter().enumerate() {
             complete(nodes.values_mut().map(|a| &mut a[k]), sum);
         }

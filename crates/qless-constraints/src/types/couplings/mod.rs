@@ -1,8 +1,8 @@
 //! Couplings of nodes with translations and rotations: rigid bodies (RBE2), weighted averages (RBE3), beams or shells
 //! on solids, fluids at walls.
 //!
-//! Except for fluids, every linear equation has the form `sum_j a_j u_j = d . q`, with the motion `q = (u_r, theta)` of
-//! a reference node.
+//! Except for fluids, every linear equation has the form `sum_j a_j u_j = d . q`, with six coefficients d of the motion `q = (u_r, theta)`
+//! of a reference node.
 
 mod average;
 mod beam_solid;

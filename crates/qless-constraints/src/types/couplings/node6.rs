@@ -23,7 +23,7 @@ pub enum Component {
 }
 
 impl Component {
-    /// All six, in the order of the DOFs of a [`Node6`].
+    /// All six components, in the order of the DOFs of a [`Node6`].
     pub const ALL: [Self; 6] = [Self::X, Self::Y, Self::Z, Self::TurnX, Self::TurnY, Self::TurnZ];
 
     /// Name of an equation for this component.

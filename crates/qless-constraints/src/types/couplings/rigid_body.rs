@@ -127,7 +127,7 @@ impl Nonlinear for BodyCoordinate {
         c[0] = S::from(self.at) + u[0] - self.body.point(&u[1..])[self.axis];
     }
 
-    /// All pairs of rotations of the body.
+    /// All pairs of rotation DOFs of the body.
     fn pairs(&self, dofs: usize, pair: &mut dyn FnMut(usize, usize)) {
         let first = 1 + self.body.kind.positions();
         (first..dofs).for_each(|j| (first..=j).for_each(|k| pair(j, k)));
@@ -151,7 +151,7 @@ impl RigidBody {
         }
     }
 
-    /// Adds `X_k + u_k - x_k(body) = 0`.
+    /// Adds the equation [`BodyCoordinate`] for the translation `dof` of a node along axis `axis`.
     fn coordinate(&self, sink: &mut EquationSink, name: String, at: Vector<f64>, (axis, dof): (usize, usize)) {
         let parameters = BodyCoordinate { body: self.body.attach(at), axis, at: at[axis] };
         sink.numbers(at);
@@ -160,7 +160,7 @@ impl RigidBody {
         sink.nonlinear(name, &[vec![dof], self.body.dofs()].concat(), parameters);
     }
 
-    /// Adds `log(R^T R_i) = 0`.
+    /// Adds `log(R^T R_i) = 0` with the rotation R of the body and the rotation `R_i` of node i, if the rotations of the node are coupled.
     fn rotations(&self, sink: &mut EquationSink, i: usize) -> Result<(), CouplingError> {
         let node = self.nodes[i];
         let listed = Component::ALL[3..].iter().filter(|&&component| node.has(component)).count();

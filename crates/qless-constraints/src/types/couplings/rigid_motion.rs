@@ -13,13 +13,13 @@ pub fn arm(x: Vector<f64>, origin: Vector<f64>) -> Vector<f64> {
     })
 }
 
-/// `e . (u_r + theta x r) = e . u_r + (r x e) . theta`.
+/// The coefficients of `(u_r, theta)` in `e . (u_r + theta x r) = e . u_r + (r x e) . theta`.
 pub fn along(e: Vector<f64>, r: Vector<f64>) -> [f64; 6] {
     let turn = cross(r, e);
     [e[0], e[1], e[2], turn[0], turn[1], turn[2]]
 }
 
-/// `e . theta`.
+/// The coefficients of `(u_r, theta)` in `e . theta`.
 pub fn about(e: Vector<f64>) -> [f64; 6] {
     [0.0, 0.0, 0.0, e[0], e[1], e[2]]
 }

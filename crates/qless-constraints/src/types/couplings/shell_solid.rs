@@ -67,7 +67,7 @@ pub struct ShellToSolid {
 pub struct ThicknessLine {
     /// The node of the shell.
     pub shell: Node6,
-    /// Nodes of the surface, from 0, in any order.
+    /// Indices of the nodes of the line in the surface, from 0, in any order.
     pub nodes: Vec<usize>,
 }
 
@@ -80,7 +80,7 @@ struct LineCoupling<'a> {
 }
 
 impl LineCoupling<'_> {
-    /// Adds `sum_i a_i e . (u_i - u_s - theta x r_i) = 0`.
+    /// Adds `sum_i a_i e . (u_i - u_s - theta x r_i) = 0` over the nodes i of the line, which are at `r_i` from the shell node s.
     fn equation(&self, sink: &mut EquationSink, a: &[f64], e: Vector<f64>, name: &str) -> Result<(), CouplingError> {
         let (mut terms, mut motion, mut sizes) = (Vec::new(), [0.0; 6], [0.0; 2]);
         for (&node, &a) in self.line.nodes.iter().zip(a) {
@@ -163,21 +163,22 @@ impl Constraint for ShellToSolid {
     }
 }
 
-/// Largest distance of a node from the line, relative to the length of the line.
+/// Largest allowed distance of a node from the line, relative to the length of the line.
 const BENT: f64 = 0.01;
 
 /// Solid nodes on a straight line through the thickness, near a shell node. Each has a share of the side of the solid: its area
-/// `w_i = int N_i dA` and its first moment `m_i = int N_i z dA`.
+/// `w_i = int N_i dA` and its first moment `m_i = int N_i z dA`, where z is the height along the line.
 pub struct LineShares {
     pub direction: Vector<f64>,
-    /// Indices of its nodes in the surface.
+    /// Indices of the nodes of the line in the surface.
     pub nodes: Vec<usize>,
     origin: Vector<f64>,
-    /// Heights of the nodes above the origin.
+    /// Heights `z_i` of the nodes along the line, above the origin.
     heights: Vec<f64>,
-    /// `w_i`, divided by their sum once normalised.
+    /// The areas `w_i`; [`LineShares::normalise`] divides them by their sum.
     pub weights: Vec<f64>,
-    /// `m_i`; once normalised, their sum is zero and `sum m_i z_i = 1`. Unit: one over a length.
+    /// The first moments `m_i`. After [`LineShares::normalise`] their sum is zero and `sum m_i z_i = 1` with the heights `z_i`; their unit
+    /// is then one over a length.
     pub moments: Vec<f64>,
 }
 
@@ -210,8 +211,8 @@ impl LineShares {
         self.moments[place] += share * dot(arm(gauss.at, self.origin), self.direction);
     }
 
-    /// Scales the weights to the sum one. Refers the moments to the centre of the weights, and scales them to
-    /// `sum m_i z_i = 1`.
+    /// Scales the weights to the sum one. Refers the moments to the centre of the weights, and scales them to `sum m_i z_i = 1` with the
+    /// heights `z_i` of the nodes.
     pub fn normalise(&mut self) -> Result<(), LineFault> {
         let total = sum(self.weights.iter().copied())?;
         self.weights.iter_mut().for_each(|w| *w /= total);

@@ -8,14 +8,14 @@ type Row6 = [f64; 6];
 /// Maximum number of sweeps; about eight suffice for any matrix.
 const MAX_SWEEPS: usize = 40;
 
-/// The factors. The columns of `scaled` are those of `U S`.
+/// The factors of `A = U S V^T`. The columns of `scaled` are those of `U S`.
 pub struct JacobiSvd {
     pub scaled: Vec<Row6>,
     pub values: Row6,
     pub v: [Row6; 6],
 }
 
-/// Factors m rows. Cost: O(m).
+/// Computes the factors of a matrix with m rows. Cost: O(m).
 pub fn svd(rows: Vec<Row6>) -> JacobiSvd {
     let mut scaled = rows;
     let mut v: [Row6; 6] = std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));

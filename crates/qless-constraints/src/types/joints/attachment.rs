@@ -108,7 +108,7 @@ impl Body {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyPoint {
     pub(crate) body: Body,
-    /// Its coordinates in the reference configuration.
+    /// Coordinates of the point in the reference configuration.
     pub(crate) at: Vector<f64>,
 }
 
@@ -123,7 +123,7 @@ pub(crate) trait PointFunction: Send + Sync + 'static {
     /// As [`Nonlinear::EQUATION_NAMES`].
     const EQUATION_NAMES: &'static [&'static str];
 
-    /// `c` from the places of the points.
+    /// Writes `c`, given the places of the points.
     fn value<S: Scalar>(&self, points: &[Vector<S>], c: &mut [S]);
 }
 

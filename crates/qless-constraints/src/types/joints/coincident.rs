@@ -1,4 +1,5 @@
-//! Coincident points of two bodies: `x_a + R_a s_a - x_b - R_b s_b = 0`, a length.
+//! Coincident points of two bodies: `x_a + R_a s_a - x_b - R_b s_b = 0`, a length. `s_a` and `s_b` are the arms from the positions `x_a`
+//! and `x_b` of the bodies to the point.
 
 use std::borrow::Cow;
 
@@ -20,7 +21,7 @@ pub fn coincident(sink: &mut EquationSink, part: impl Into<Cow<'static, str>>, a
     sink.nonlinear(part, &[first.dofs(), second.dofs()].concat(), parameters);
 }
 
-/// Two points that coincide: `c = sign (x_a - x_b)`.
+/// Two points that coincide: `c = sign (x_a - x_b)`, where `sign` is 1 or -1.
 struct Coincident {
     a: AttachedPoint,
     b: AttachedPoint,
@@ -35,7 +36,7 @@ impl Nonlinear for Coincident {
         c.copy_from_slice(&scale(S::from(self.sign), sub(self.a.point(a), self.b.point(b))));
     }
 
-    /// All pairs of rotations of the same body.
+    /// All pairs of rotation DOFs of the same body.
     fn pairs(&self, _: usize, pair: &mut dyn FnMut(usize, usize)) {
         for (first, kind) in [(0, self.a.kind), (self.a.dofs(), self.b.kind)] {
             let first = first + kind.positions();
@@ -44,7 +45,7 @@ impl Nonlinear for Coincident {
         }
     }
 
-    /// `[I, d(R_a s_a), -I, -d(R_b s_b)]`.
+    /// Writes `sign (x_a - x_b)` and its Jacobian `sign [I, d(R_a s_a), -I, -d(R_b s_b)]`, where d is the derivative in the rotations.
     fn value_and_jacobian(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
         let (a, b) = u.split_at(self.a.dofs());
         let x_a = self.a.write_slopes(a, self.sign, [0, u.len()], g);

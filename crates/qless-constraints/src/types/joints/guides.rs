@@ -61,8 +61,9 @@ fn path(sink: &mut EquationSink, a: &Body, b: &Body, at: Vector<f64>, axis: Vect
     }
 }
 
-/// Body b slides along an axis of body a and rotates about it: `(R_a s_i) . (p_b - p_a) = 0` for two directions `s_i`
-/// perpendicular to the axis, and the tilt of the axis, as in [`super::Revolute`].
+/// Body b slides along an axis of body a and rotates about it: `(R_a s_i) . (p_b - p_a) = 0` for two directions `s_i` perpendicular to the
+/// axis, and the tilt of the axis, as in [`super::Revolute`]. `p_a` and `p_b` are the points of both bodies that are at `at` in the
+/// reference configuration.
 ///
 #[doc = include_str!("../../../docs/pictures/cylindrical.svg")]
 ///
@@ -106,8 +107,9 @@ impl Constraint for Cylindrical {
     }
 }
 
-/// Body b moves in a plane of body a: `(R_a n) . (p_b - p_a) = 0` and the tilt of the normal, as in
-/// [`super::Revolute`]. It slides in two directions and rotates about the normal.
+/// Body b moves in a plane of body a with the normal n: `(R_a n) . (p_b - p_a) = 0` and the tilt of the normal, as in [`super::Revolute`].
+/// It slides in two directions and rotates about the normal. `p_a` and `p_b` are the points of both bodies that are at `at` in the
+/// reference configuration.
 ///
 #[doc = include_str!("../../../docs/pictures/planar.svg")]
 ///
@@ -151,8 +153,8 @@ impl Constraint for Planar {
     }
 }
 
-/// Keeps an axis of each body parallel: `c = beta e`, the rotation vector that rotates `R_a t` to `R_b t`, in the axes
-/// of a. It is perpendicular to t, so c has two components, which are angles.
+/// Keeps an axis t of each body parallel: `c = beta e`, the rotation vector that rotates `R_a t` to `R_b t`, in the axes of a. It is
+/// perpendicular to t, so c has two components, which are angles.
 ///
 /// `beta = acos(R_a t . R_b t)` is in `[0, pi]`, and e is along `t x R_a^T R_b t`. So the axes point the same way, not
 /// in opposite directions. The positions of the bodies do not matter. Within 1e-8 rad of opposite directions the rank of
@@ -197,8 +199,8 @@ impl Constraint for Parallel {
     }
 }
 
-/// An axis of each body, kept perpendicular to each other: `(R_a s) . (R_b t) = 0`, the cosine of their angle. The
-/// positions of the bodies do not matter.
+/// Keeps an axis s of body a and an axis t of body b perpendicular: `(R_a s) . (R_b t) = 0`, the cosine of their angle. The positions of
+/// the bodies do not matter.
 ///
 #[doc = include_str!("../../../docs/pictures/perpendicular.svg")]
 ///

@@ -28,13 +28,13 @@ pub fn height(
     sink.nonlinear(part, &[a.dofs(), b.dofs()].concat(), parameters);
 }
 
-/// The parameters of the equation.
+/// The parameters of the height equation, `(R_a s) . (x_b + R_b s_b - x_a) - s . s_a - h = 0`.
 pub struct Height {
     /// The centre of body a.
     a: AttachedPoint,
     b: AttachedPoint,
     s: Vector<f64>,
-    /// The constant `s . s_a`.
+    /// The constant `s . s_a`, where `s_a` is the arm of the point on body a.
     arm: f64,
     /// The prescribed height h.
     pub rise: f64,
@@ -60,7 +60,7 @@ impl Nonlinear for Height {
         c[0] = dot(up, self.reach(a, b)) - S::from(self.arm) - S::from(self.rise);
     }
 
-    /// All pairs, except a position with a position, and a position with a rotation of body b.
+    /// All pairs of DOFs, except a position with a position, and a position with a rotation of body b.
     fn pairs(&self, dofs: usize, pair: &mut dyn FnMut(usize, usize)) {
         let (second, turns) = (self.a.dofs(), self.a.kind.positions()..self.a.dofs());
         let rotates_b = |j: usize| j >= second + self.b.kind.positions();
@@ -73,7 +73,7 @@ impl Nonlinear for Height {
         }
     }
 
-    /// `[-R_a s, d(R_a s) . reach, R_a s, d(R_b s_b) . R_a s]`.
+    /// The Jacobian is `[-R_a s, d(R_a s) . reach, R_a s, d(R_b s_b) . R_a s]`, where d is the derivative in the rotations.
     fn value_and_jacobian(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
         let ((a, b), first) = (u.split_at(self.a.dofs()), self.a.kind.positions());
         let (up, reach) = (self.a.kind.rotate(&a[first..], self.s), self.reach(a, b));

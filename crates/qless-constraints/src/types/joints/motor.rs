@@ -53,8 +53,8 @@ pub struct RotationMotor {
     pub angle: Arc<dyn Fn(f64) -> f64 + Send + Sync>,
 }
 
-/// Moves body b relative to body a along an axis: `c = (R_a t) . (p_b - p_a) - d(t)`, a length, at the time t of the
-/// set ([`set_time`](crate::ConstraintSet::set_time), initially 0).
+/// Moves body b relative to body a along an axis: `c = (R_a t) . (p_b - p_a) - d`, a length. t is the unit vector along the axis; d is the
+/// prescribed travel at the time of the set ([`set_time`](crate::ConstraintSet::set_time), initially 0).
 ///
 /// `p_a` and `p_b` are the points of both bodies that are at `at` in the reference configuration. The motor does not
 /// keep `p_b` on the axis: add a [`super::Prismatic`] or [`super::Cylindrical`] joint, or another guide if body b is a
@@ -88,7 +88,7 @@ pub struct TranslationMotor {
     pub at: Vector<f64>,
     /// The direction of the axis in the reference configuration, of any length.
     pub axis: Vector<f64>,
-    /// `d(t)`, a length along the axis.
+    /// The travel along the axis, a length, as a function of time.
     pub travel: Arc<dyn Fn(f64) -> f64 + Send + Sync>,
 }
 

@@ -23,18 +23,18 @@ pub(super) fn value_at(motion: &TimeFunction, time: f64) -> Result<f64, f64> {
     if value.is_finite() { Ok(value) } else { Err(value) }
 }
 
-/// Whether -q, which is the same rotation, gives the smaller angle. At exactly half a turn m is rounding, which must not change the
-/// sense of rotation.
+/// Whether `-(m, v)`, which belongs to -q and so to the same rotation, gives the smaller angle. At exactly half a turn m is rounding, which
+/// must not change the sense of rotation.
 fn negated([m, v @ ..]: [f64; 4]) -> bool {
     m < -HALF_DIGITS * v.into_iter().fold(0.0, f64::hypot)
 }
 
-/// `(m, v)` with the sign of the smaller angle.
+/// `(m, v)` or `-(m, v)`, whichever gives the smaller angle.
 fn shorter<S: Scalar>(x: [S; 4]) -> [S; 4] {
     if negated(x.map(Scalar::real)) { x.map(|x| -x) } else { x }
 }
 
-/// Zero if the bodies are aligned: `m = q0`, v the vector part of q; the angle vector is half of c.
+/// `c = log(R_a^T R_b)`, zero if the bodies are aligned: twice the angle vector of `(m, v)`, where `m = q0` and v is the vector part of q.
 pub struct Aligned;
 
 impl RotationFunction for Aligned {
@@ -48,8 +48,8 @@ impl RotationFunction for Aligned {
 /// The rotation that turns the axis of one body to that of the other: the angle vector of `(m, v)`. Zero if the axes are
 /// parallel and point the same way.
 ///
-/// The vector part of q has the components `q_t` along the axis t, and `q_1, q_2` along two directions perpendicular to t:
-/// `m = t . R t = q0^2 + q_t^2 - q_1^2 - q_2^2`, `v = t x R t = 2 (q0 q_1 - q_t q_2, q0 q_2 + q_t q_1)`.
+/// R is the rotation of q. The vector part of q has the components `q_t` along the axis t, and `q_1, q_2` along two directions
+/// perpendicular to t: `m = t . R t = q0^2 + q_t^2 - q_1^2 - q_2^2`, `v = t x R t = 2 (q0 q_1 - q_t q_2, q0 q_2 + q_t q_1)`.
 pub struct Tilt {
     /// The axis and two perpendicular directions, a right-handed system of unit vectors.
     frame: [Vector<f64>; 3],
@@ -62,7 +62,7 @@ impl Tilt {
         Self { frame: [axis, first, second] }
     }
 
-    /// m and v.
+    /// m and v of the quaternion q; the last entry is unused.
     fn parts<S: Arithmetic>(&self, q: Quaternion<S>) -> [S; 4] {
         let (q0, [t, x, y], two) = (q[0], self.frame.map(|e| dot(lift(e), [q[1], q[2], q[3]])), S::from(2.0));
         [q0 * q0 + t * t - x * x - y * y, two * (q0 * x - t * y), two * (q0 * y + t * x), S::from(0.0)]
@@ -77,10 +77,10 @@ impl RotationFunction for Tilt {
     }
 }
 
-/// The angle about an axis, minus a prescribed angle phi: `m = q0 cos(phi/2) + q_t sin(phi/2)`,
+/// The angle about an axis, minus a prescribed angle phi: twice the angle of `(m, v)` with `m = q0 cos(phi/2) + q_t sin(phi/2)` and
 /// `v = q_t cos(phi/2) - q0 sin(phi/2)`, where `q_t` is the component of the vector part of q along the axis.
 pub struct Twist {
-    /// Unit vector.
+    /// Unit vector along the axis.
     axis: Vector<f64>,
     /// phi at the current time, in radians.
     angle: f64,
@@ -94,7 +94,7 @@ impl Twist {
         Self { axis, angle: motion(0.0), motion }
     }
 
-    /// Coefficients of m and v in q.
+    /// Coefficients of m and v, which are linear functions of the quaternion q.
     fn rows(&self) -> [Quaternion<f64>; 2] {
         let ((sin, cos), [x, y, z]) = ((0.5 * self.angle).sin_cos(), self.axis);
         [[cos, sin * x, sin * y, sin * z], [-sin, cos * x, cos * y, cos * z]]

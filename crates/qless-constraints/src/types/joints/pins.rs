@@ -10,7 +10,8 @@ use super::{JointError, check_moves, check_turns, direction};
 use crate::scalar::vector::Vector;
 use crate::{Constraint, EquationSink};
 
-/// Two bodies that move as one: `x_a + R_a s_a - x_b - R_b s_b = 0` and `log(R_a^T R_b) = 0`.
+/// Two bodies that move as one: `x_a + R_a s_a - x_b - R_b s_b = 0` and `log(R_a^T R_b) = 0`. `s_a` and `s_b` are the arms from the
+/// positions `x_a` and `x_b` of the bodies to the joint.
 ///
 /// The angles are the components of the shortest rotation vector from a to b, in the axes of a. So a joint that is not
 /// yet assembled closes over at most half a turn; at exactly half a turn, the sign of the quaternion decides the sense of
@@ -52,7 +53,8 @@ impl Constraint for Fixed {
     }
 }
 
-/// A hinge: `x_a + R_a s_a - x_b - R_b s_b = 0` and the tilt of the axis.
+/// A hinge: `x_a + R_a s_a - x_b - R_b s_b = 0` and the tilt of the axis. `s_a` and `s_b` are the arms from the positions `x_a` and `x_b`
+/// of the bodies to the joint.
 ///
 /// t is the direction of the axis in the reference configuration. The tilt is the rotation vector that rotates `R_a t` to
 /// `R_b t`, in the axes of a, with the angle `acos(R_a t . R_b t)` in `[0, pi]` ([`super::Parallel`]). So the axes point
@@ -97,7 +99,8 @@ impl Constraint for Revolute {
     }
 }
 
-/// A ball joint: `x_a + R_a s_a - x_b - R_b s_b = 0`.
+/// A ball joint: `x_a + R_a s_a - x_b - R_b s_b = 0`. `s_a` and `s_b` are the arms from the positions `x_a` and `x_b` of the bodies to the
+/// joint.
 ///
 #[doc = include_str!("../../../docs/pictures/spherical.svg")]
 ///
@@ -133,8 +136,9 @@ impl Constraint for Spherical {
     }
 }
 
-/// A cross of two axes, s on body a and t on body b: `x_a + R_a s_a - x_b - R_b s_b = 0` and `(R_a s) . (R_b t) = 0`.
-/// The rotations `psi_a` and `psi_b` of shafts at an angle beta satisfy `tan(psi_b) = tan(psi_a) / cos(beta)`.
+/// A cross of two axes, s on body a and t on body b: `x_a + R_a s_a - x_b - R_b s_b = 0` and `(R_a s) . (R_b t) = 0`. `s_a` and `s_b` are
+/// the arms from the positions `x_a` and `x_b` of the bodies to the joint. The rotations `psi_a` and `psi_b` of shafts at an angle beta
+/// satisfy `tan(psi_b) = tan(psi_a) / cos(beta)`.
 ///
 #[doc = include_str!("../../../docs/pictures/universal.svg")]
 ///

@@ -13,12 +13,12 @@ use crate::geometry::rotation::RotationKind;
 use crate::scalar::{Dual, Scalar};
 use crate::{EquationSink, Nonlinear};
 
-/// Maximum number of equations of one function.
+/// Maximum number of equations of one [`RotationFunction`].
 pub const MAX_EQUATIONS: usize = 3;
 /// A 4 x 4 matrix that acts on quaternions.
 pub type QuaternionMatrix = [Quaternion<f64>; 4];
 
-/// A function of the relative rotation.
+/// A function c of the relative rotation of two bodies, given as a quaternion q. Joints set it to zero.
 pub trait RotationFunction: Send + Sync + 'static {
     /// As [`Nonlinear::EQUATION_NAMES`], at most [`MAX_EQUATIONS`].
     const EQUATION_NAMES: &'static [&'static str];
@@ -33,10 +33,10 @@ pub trait RotationFunction: Send + Sync + 'static {
     fn angle(&self) -> Option<f64> {
         None
     }
-    /// `c(q)`.
+    /// Writes `c(q)` for the relative quaternion q.
     fn value<S: Scalar>(&self, q: Quaternion<S>, c: &mut [S]);
 
-    /// `c(q)`, and `dc_r / dq`.
+    /// Writes `c(q)`, and returns `dc_r / dq` for each equation r.
     fn slopes(&self, q: Quaternion<f64>, c: &mut [f64]) -> [Quaternion<f64>; MAX_EQUATIONS] {
         let mut of = [Dual::<4>::from(0.0); MAX_EQUATIONS];
         self.value(from_fn(|j| Dual::variable(q[j], j)), &mut of[..c.len()]);
@@ -44,7 +44,7 @@ pub trait RotationFunction: Send + Sync + 'static {
         of.map(|of| of.slope)
     }
 
-    /// `d(w.c) / dq`, and `d^2 (w.c) / dq^2`.
+    /// Returns `d(w.c) / dq` and `d^2 (w.c) / dq^2` for the weights w.
     fn curvature(&self, q: Quaternion<f64>, w: &[f64]) -> (Quaternion<f64>, QuaternionMatrix) {
         let mut of = [Dual::<4, Dual<4>>::from(0.0); MAX_EQUATIONS];
         self.value(from_fn(|j| Dual::variable(Dual::variable(q[j], j), j)), &mut of[..w.len()]);
@@ -74,7 +74,7 @@ struct RelativeRotation<F> {
 }
 
 impl<F> RelativeRotation<F> {
-    /// The quaternions of both bodies, and q.
+    /// The quaternions of both bodies, and the relative quaternion `q = conj(q_a) q_b`.
     #[inline]
     fn turns(&self, u: &[f64]) -> (BodyQuaternion, BodyQuaternion, Quaternion<f64>) {
         let (a, b) = u.split_at(self.a.rotations());

@@ -1,4 +1,4 @@
-//! The segments of each slave facet, and the check that the master side covers the facet exactly once.
+//! The segments of each slave facet (overlaps with master facets), and the check that the master side covers the facet exactly once.
 
 use super::segment::{FacetPiece, MortarSegment};
 use super::{MortarError, MortarTie};
@@ -53,7 +53,7 @@ impl<const D: usize, const F: usize> MortarTie<D, F> {
         Ok(segments)
     }
 
-    /// Whether the gap is at most the tolerance plus the rounding of the coordinates.
+    /// Whether the gap of a segment is at most the tolerance plus the rounding of the coordinates.
     fn is_near(&self, segment: &MortarSegment, slave: &[[f64; D]], master: usize) -> bool {
         let blur = slave.iter().fold(0.0, |most: f64, place| most.max(rounding(&self.master.places(master), place)));
         within(segment.gap - blur, self.tolerance)
@@ -82,7 +82,8 @@ impl<const D: usize, const F: usize> MortarTie<D, F> {
         }
     }
 
-    /// Adds the gap to the error. This searches all master facets, which is too slow unless there is an error.
+    /// Adds the smallest gap beyond the tolerance to the error. This searches all master facets, which is too slow unless there is an
+    /// error.
     pub(super) fn with_gap(&self, error: MortarError) -> MortarError {
         let MortarError::NotCovered { facet, bare, size, tolerance, .. } = error else { return error };
         let masters = || 0..self.master.faces.len();

@@ -21,7 +21,7 @@ struct EntrySum {
     terms: f64,
 }
 
-/// A row of D and of -M, by node.
+/// A row of the mortar matrices D and -M, by node.
 #[derive(Default)]
 pub(super) struct MortarRow {
     slaves: BTreeMap<usize, EntrySum>,
@@ -48,7 +48,7 @@ fn add(sums: &mut BTreeMap<usize, EntrySum>, node: usize, value: f64, terms: f64
     sum.terms += terms;
 }
 
-/// `int N_i N_j` over all segments.
+/// The mass matrix `int N_i N_j` of a slave facet, over all of its segments.
 fn mass(nodes: usize, segments: &FacetSegments) -> Mat<f64> {
     Mat::from_fn(nodes, nodes, |i, j| segments.iter().map(|(_, segment)| segment.own[i * nodes + j]).sum())
 }
@@ -90,9 +90,9 @@ const SHARE: f64 = 0.2;
 /// shapes may have a zero or negative integral. So `M_c = N_c + a sum N_e` over the edges at the corner and
 /// `M_e = (1 - 2 a) N_e`, with `a = 1/5` (Popp, Wohlmuth, Gee and Wall, SIAM J. Sci. Comput., 2012).
 pub(super) struct MultiplierFunctions {
-    /// B, n x n.
+    /// The coefficients `B_ij` of `N_j` in `Phi_i`, n x n.
     pub b: Mat<f64>,
-    /// D, n x n.
+    /// The integrals `D_ij = int Phi_i N_j`, n x n.
     pub d: Mat<f64>,
 }
 
@@ -115,7 +115,7 @@ impl MultiplierFunctions {
     }
 }
 
-/// The matrix P of `M = P N`.
+/// The matrix P of `M = P N`: it adds a share of each mid-edge function to the functions of both corners of the edge.
 fn edge_shares(shape: Shape) -> Mat<f64> {
     let mut p = Mat::identity(shape.nodes(), shape.nodes());
     for &[middle, a, b] in shape.edges() {
@@ -125,8 +125,8 @@ fn edge_shares(shape: Shape) -> Mat<f64> {
     p
 }
 
-/// `D = diag(d) P^-T`. `P^-T u` are the coefficients of a field in the functions M: `u_c` at corners, and
-/// `(u_e - a (u_1 + u_2)) / (1 - 2 a)` at mid-edge nodes.
+/// The matrix `D = diag(d) P^-T` of dual functions, with `d_i = int M_i` and `M = P N`. `P^-T u` are the coefficients of a field in the
+/// functions M: `u_c` at corners, and `(u_e - a (u_1 + u_2)) / (1 - 2 a)` at mid-edge nodes, where a is [`SHARE`].
 fn slave_matrix(shape: Shape, d: &Mat<f64>) -> Mat<f64> {
     let mut own = Mat::from_fn(d.nrows(), d.nrows(), |i, j| if i == j { d[(i, 0)] } else { 0.0 });
     for &[middle, a, b] in shape.edges() {

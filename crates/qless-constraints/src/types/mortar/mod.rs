@@ -1,7 +1,7 @@
-//! Mortar ties of lines or surfaces: `sum_j D_ij u_j - sum_k M_ik u_k = 0`, `D_ij = int Phi_i N_j`,
-//! `M_ik = int Phi_i N_k`.
+//! Mortar ties of lines or surfaces: `sum_j D_ij u_j - sum_k M_ik u_k = 0` with `D_ij = int Phi_i N_j` and `M_ik = int Phi_i N_k`. `Phi_i`
+//! are the functions of the multipliers, `N_j` the shape functions of the slave side, `N_k` those of the master side.
 //!
-//! Puso, Int. J. Numer. Meth. Engng, 2004; segments as in Popp, Gitterle, Gee and Wall, ibid., 2010; pieces of
+//! The method is that of Puso, Int. J. Numer. Meth. Engng, 2004. Segments are as in Popp, Gitterle, Gee and Wall, ibid., 2010; pieces of
 //! quadratic facets as in Puso, Laursen and Solberg, Comput. Methods Appl. Mech. Engng, 2008.
 
 mod cover;
@@ -76,7 +76,7 @@ pub struct MortarTie<const D: usize, const F: usize = D> {
     pub slave: Surface<D, F>,
     /// The side without multipliers.
     pub master: Surface<D, F>,
-    /// The functions `Phi_i`.
+    /// The functions `Phi_i` of the multipliers.
     pub multipliers: Multipliers,
     /// Largest gap between the sides, a length. A slave facet may also have an uncovered border of this width, up to
     /// half of its size.
@@ -84,7 +84,7 @@ pub struct MortarTie<const D: usize, const F: usize = D> {
 }
 
 impl<const D: usize, const F: usize> MortarTie<D, F> {
-    /// The rows of D and M, by slave nodes.
+    /// The rows of the mortar matrices D and M, by slave nodes.
     fn rows(&self) -> Result<BTreeMap<usize, matrices::MortarRow>, MortarError> {
         let search = FaceSearch::new(&self.master).map_err(|source| MortarError::Surface { side: "master", source })?;
         let facets = 0..self.slave.faces.len();
@@ -126,7 +126,7 @@ pub enum MortarError {
     Surface {
         /// "slave" or "master".
         side: &'static str,
-        /// What is wrong with it.
+        /// What is wrong with this side.
         source: SurfaceError,
     },
     /// A facet has a wrong dimension.
@@ -136,9 +136,9 @@ pub enum MortarError {
     Dimension {
         /// "slave" or "master".
         side: &'static str,
-        /// The facet, from 1.
+        /// Number of the facet, counted from 1.
         facet: usize,
-        /// Its shape.
+        /// Shape of the facet.
         shape: Shape,
     },
     /// A facet has no size, or is not convex.
@@ -146,7 +146,7 @@ pub enum MortarError {
     Facet {
         /// "slave" or "master".
         side: &'static str,
-        /// The facet, from 1.
+        /// Number of the facet, counted from 1.
         facet: usize,
     },
     /// A part of a slave facet has no master facet within the tolerance.
@@ -155,7 +155,7 @@ pub enum MortarError {
         cover_advice(*gap)
     )]
     NotCovered {
-        /// The slave facet, from 1.
+        /// Number of the slave facet, counted from 1.
         facet: usize,
         /// The uncovered area or length.
         bare: f64,
@@ -163,7 +163,7 @@ pub enum MortarError {
         size: f64,
         /// Largest allowed gap.
         tolerance: f64,
-        /// The smallest gap of a master facet opposite, beyond the tolerance; `None` if there is no such facet.
+        /// The smallest gap, of those above the tolerance, to a master facet that lies opposite; `None` if there is no such facet.
         gap: Option<f64>,
     },
     /// Several master facets cover the same place.
@@ -172,9 +172,9 @@ pub enum MortarError {
          remove facets that are listed twice or lie behind others"
     )]
     Overlap {
-        /// The slave facet, from 1.
+        /// Number of the slave facet, counted from 1.
         facet: usize,
-        /// The sum of the areas or lengths of the segments.
+        /// The sum of the areas or lengths of all overlaps with master facets.
         covered: f64,
         /// Size of the facet, or of a piece of a quadratic facet.
         size: f64,

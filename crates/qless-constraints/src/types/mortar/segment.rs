@@ -1,4 +1,5 @@
-//! `int N_i N_j` and `int N_i N_k` over a segment, the overlap of two facets in space.
+//! `int N_i N_j` and `int N_i N_k` over a segment, the overlap of two facets in space, with the shape functions `N_i` of the first facet
+//! and `N_k` of the second.
 //!
 //! Both facets are projected on the mean plane of the first (on its chord, if the facets are lines). In this plane their
 //! outlines are polygons or intervals. The value of a shape function at a point of the plane is its value at the point of
@@ -17,8 +18,8 @@ struct MeanPlane {
 }
 
 impl MeanPlane {
-    /// The plane through the mean of the corners. Its normal is along the sum of `r_i x r_(i+1)`, where `r_i` are the corners
-    /// relative to their mean. For two corners, the chord. Returns `None` if the corners have no area or length.
+    /// The plane through the mean of the corners. Its normal is along the sum of `r_i x r_(i+1)`, where `r_i` are the corners relative to
+    /// their mean. Two corners give their chord. Returns `None` if the corners have no area or length.
     fn mean(corners: &[Vector<f64>]) -> Option<Self> {
         let origin = scale(1.0 / corners.len() as f64, corners.iter().fold([0.0; 3], |sum, &x| add(sum, x)));
         if let &[a, b] = corners {
@@ -35,7 +36,7 @@ impl MeanPlane {
 struct FacetView {
     shape: Shape,
     flat: Vec<PlanePoint>,
-    /// Nodes relative to the origin of the plane.
+    /// Coordinates of the nodes relative to the origin of the plane.
     arms: Vec<Vector<f64>>,
 }
 
@@ -49,7 +50,7 @@ impl FacetView {
         Outline::new(piece.iter().map(|&node| self.flat[node]).collect())
     }
 
-    /// `N_k` and the position on the facet for a point of the plane. Parameters are not clamped, so that linear fields
+    /// The shape functions `N_k` and the position on the facet for a point of the plane. Parameters are not clamped, so that linear fields
     /// stay linear beyond curved edges.
     fn functions(&self, point: &PlanePoint) -> Option<(Vec<f64>, Vector<f64>)> {
         let foot = closest_parameters(self.shape, &relative(&self.flat, point), self.shape.centre())
@@ -68,7 +69,7 @@ pub struct MortarSegment {
     pub other: Vec<f64>,
     /// For each entry of `other`, the sum of the absolute values of its terms.
     pub terms: Vec<f64>,
-    /// Its area or length.
+    /// Area or length of the segment.
     pub size: f64,
     /// The largest distance between the facets at quadrature points.
     pub gap: f64,

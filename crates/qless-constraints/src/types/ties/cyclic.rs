@@ -1,4 +1,4 @@
-//! Cyclic symmetry: `u_b = R(alpha) u_a` for a node and its image in the next sector; for harmonic k,
+//! Cyclic symmetry: `u_b = R(alpha) u_a` for a node a and its image b in the next sector, at the sector angle alpha; for harmonic k,
 //! `u_b = e^(i k alpha) R(alpha) u_a`.
 
 use crate::geometry::node::{Node, field, rounding, separation, within};
@@ -37,9 +37,9 @@ pub enum Turning {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cyclic<const D: usize, const F: usize = D> {
-    /// The node.
+    /// A node at one side of the sector.
     pub a: Node<D, F>,
-    /// Its image.
+    /// The image of node a, at the other side of the sector.
     pub b: Node<D, F>,
     /// Rotation from one sector to the next.
     pub turn: Turn<D>,
@@ -75,9 +75,9 @@ pub struct Cyclic<const D: usize, const F: usize = D> {
 pub struct CyclicHarmonic<const D: usize, const F: usize = D> {
     /// Both nodes, and the DOFs of the real parts.
     pub real: Cyclic<D, F>,
-    /// DOFs of the imaginary parts at the node.
+    /// DOFs of the imaginary parts at node a.
     pub imaginary_a: [usize; F],
-    /// DOFs of the imaginary parts at its image.
+    /// DOFs of the imaginary parts at its image b.
     pub imaginary_b: [usize; F],
     /// k, the number of waves around the circumference.
     pub harmonic: u32,
@@ -119,7 +119,7 @@ impl<const D: usize, const F: usize> Cyclic<D, F> {
         }
     }
 
-    /// Terms of `-factor (R u)_k`, where u are the values of `dofs`.
+    /// Terms of `-factor (R u)_k`, where u are the values of `dofs`. R rotates vectors to the next sector; for scalars it is the identity.
     fn turned(&self, k: usize, factor: f64, dofs: &[usize; F]) -> Vec<(usize, f64)> {
         let terms: Vec<_> = match self.fields {
             Turning::Scalars => vec![(dofs[k], -factor)],

@@ -81,7 +81,7 @@ impl<const F: usize> Constraint for FaceOrderTie<F> {
     }
 }
 
-/// One side of a face.
+/// One of the two sides that meet at a face: its polynomials and its nodes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FaceSide<const F: usize> {
     /// The polynomials on the face.
@@ -120,7 +120,7 @@ impl<const F: usize> FaceSide<F> {
         }
     }
 
-    /// `N_k` at these points.
+    /// The polynomials `N_k` of all nodes, evaluated at these points: one list for each point.
     pub(super) fn weights(&self, side: TieSide, points: &[[f64; 2]]) -> Result<Vec<Vec<f64>>, FaceOrderTieError> {
         self.polynomials.weights(&self.places(), points).ok_or(FaceOrderTieError::Undetermined { side })
     }
@@ -160,13 +160,13 @@ pub enum FaceOrderTieError {
     Nodes {
         /// The shape.
         shape: Shape,
-        /// How many were given.
+        /// Number of nodes given.
         found: usize,
     },
     /// The number of nodes does not match the polynomials.
     #[error("the {side} side has {found} nodes, but {polynomials:?} (degree one or more) needs {}", polynomials.dimension())]
     Count {
-        /// Which side.
+        /// Side of the tie.
         side: TieSide,
         /// The polynomials of this side.
         polynomials: Polynomials,
@@ -186,11 +186,11 @@ pub enum FaceOrderTieError {
     /// A node is outside of the face.
     #[error("node {node}, from 1, of the {side} side is at {at:?}, which is not on the face; correct its parameters")]
     Outside {
-        /// Which side.
+        /// Side of the tie.
         side: TieSide,
-        /// The node, from 1.
+        /// Number of the node, counted from 1.
         node: usize,
-        /// Its parameters.
+        /// Parameters `xi, eta` of the node.
         at: [f64; 2],
     },
     /// The nodes do not determine a polynomial.
@@ -198,7 +198,7 @@ pub enum FaceOrderTieError {
         "the nodes of the {side} side do not determine a polynomial of it: two coincide, or too many lie on one curve; move them"
     )]
     Undetermined {
-        /// Which side.
+        /// Side of the tie.
         side: TieSide,
     },
     /// A finer node shares a DOF with a coarser node, but not its place, or not its other DOFs.
@@ -206,7 +206,7 @@ pub enum FaceOrderTieError {
         "node {node}, from 1, of the finer side shares DOF {dof} with a different coarser node: a common node has one place and one list of DOFs"
     )]
     Shared {
-        /// The node, from 1.
+        /// Number of the node, counted from 1.
         node: usize,
         /// The DOF, 0-based.
         dof: usize,

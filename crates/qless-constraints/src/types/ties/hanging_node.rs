@@ -58,7 +58,7 @@ pub enum HangingNodeError {
     Nodes {
         /// The shape.
         shape: Shape,
-        /// How many were given.
+        /// Number of nodes given.
         found: usize,
     },
     /// The node lies outside the parent.

@@ -55,7 +55,7 @@ pub enum LineTieError {
     /// A segment has no length.
     #[error("segment {segment} of the line, from 1, has no length; remove one of its nodes")]
     Degenerate {
-        /// The segment, from 1.
+        /// Number of the segment, counted from 1.
         segment: usize,
     },
     /// A node is too far from the line, or its coordinates are not finite.

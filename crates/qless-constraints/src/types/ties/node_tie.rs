@@ -72,7 +72,7 @@ pub enum NodeTieError {
     Nodes {
         /// The shape.
         shape: Shape,
-        /// How many were given.
+        /// Number of nodes given.
         found: usize,
     },
     /// The element has no size, is folded, or has more dimensions than the space.
@@ -84,7 +84,7 @@ pub enum NodeTieError {
          or solid that it is on, or raise the tolerance"
     )]
     TooFar {
-        /// Its distance.
+        /// Distance of the node from the face.
         distance: f64,
         /// Largest allowed distance.
         tolerance: f64,

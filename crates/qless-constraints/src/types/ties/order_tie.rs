@@ -1,4 +1,5 @@
-//! `u_i = sum_k L_k(s_i) u_k`: an edge with nodes of degree p, tied to an edge of degree q < p.
+//! `u_i = sum_k L_k(s_i) u_k` with the Lagrange polynomials `L_k` of the coarser nodes: an edge with nodes of degree p, tied to an edge of
+//! degree q < p.
 
 use super::{interpolate, is_shared};
 use crate::geometry::node::{ROUNDING, field_of_node};
@@ -54,9 +55,9 @@ pub enum OrderTieError {
     /// A finer node is not between the ends of the coarser side.
     #[error("node {node}, from 1, of the finer side is at {at}, beyond the ends {from} and {to} of the coarser side")]
     Outside {
-        /// The node, from 1.
+        /// Number of the node, counted from 1.
         node: usize,
-        /// Its position.
+        /// Position of the node.
         at: f64,
         /// Position of one end of the coarser side.
         from: f64,
@@ -66,11 +67,11 @@ pub enum OrderTieError {
     /// Two coarser nodes have the same position.
     #[error("nodes {first} and {second}, from 1, of the coarser side are both at {at}; they must differ")]
     Repeated {
-        /// One node, from 1.
+        /// Number of one node, counted from 1.
         first: usize,
-        /// The other node, from 1.
+        /// Number of the other node, counted from 1.
         second: usize,
-        /// Their position.
+        /// Position of both nodes.
         at: f64,
     },
     /// A finer node shares a DOF with a coarser node, but not its place, or not its other DOFs.
@@ -78,7 +79,7 @@ pub enum OrderTieError {
         "node {node}, from 1, of the finer side shares DOF {dof} with a different coarser node: a common node has one place and one list of DOFs"
     )]
     Shared {
-        /// The node, from 1.
+        /// Number of the node, counted from 1.
         node: usize,
         /// The DOF, 0-based.
         dof: usize,

@@ -7,13 +7,13 @@ use crate::{Constraint, EquationSink};
 /// length, so it is dimensionless for displacements.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MacroStrain<const D: usize, const F: usize = D> {
-    /// Prescribed numbers.
+    /// Prescribed entries of E.
     Given([[f64; D]; F]),
     /// The DOFs of the entries of E, 0-based. They are unknowns, or other constraints determine them.
     Dofs([[usize; D]; F]),
 }
 
-/// A periodic pair, `u_b - u_a = E (X_b - X_a)`.
+/// A periodic pair of nodes a and b, `u_b - u_a = E (X_b - X_a)`, with the macroscopic gradient E.
 ///
 #[doc = include_str!("../../../docs/pictures/periodic.svg")]
 ///
@@ -51,9 +51,9 @@ pub enum MacroStrain<const D: usize, const F: usize = D> {
 pub struct Periodic<const D: usize, const F: usize = D> {
     /// The node on one face.
     pub a: Node<D, F>,
-    /// Its image on the opposite face.
+    /// The image of node a on the opposite face.
     pub b: Node<D, F>,
-    /// The gradient E.
+    /// The macroscopic gradient E.
     pub strain: MacroStrain<D, F>,
 }
 
