@@ -76,12 +76,12 @@ impl WrongEntry {
     }
 }
 
-/// The model at u.
+/// The model at u, and a direction in which its DOFs are moved.
 pub(super) struct TangentCheck<'a, M> {
     model: &'a mut M,
     u: &'a [f64],
     here: Assembly,
-    /// The direction d.
+    /// The direction d, a random fraction of the size of each DOF.
     direction: Vec<f64>,
 }
 

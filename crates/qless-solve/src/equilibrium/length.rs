@@ -8,9 +8,10 @@ use super::corrector::{Correction, Corrector, PartStage};
 use super::state::Unknowns;
 use super::{EquilibriumError, Model};
 
-/// Smaller step lengths count as failure: a load step of this share is shorter, and Newton's method converges along it.
+/// A smaller step length counts as failure: a load step of the same fraction serves better, since Newton's method converges along it.
 const SHORTEST: f64 = 1e-4;
-/// Within this factor of the tolerance, rounding makes the test meaningless, and the next step, whose residual is about the square, ends.
+/// If residuals are within this factor of their tolerance, a full step is taken without a test. Rounding would make the test meaningless,
+/// and the next residual is about the square of this one.
 const NEAR: f64 = 1e3;
 
 /// A part that searches for its step length.
@@ -96,7 +97,7 @@ impl<M: Model> Corrector<'_, M> {
         search.put(best.clamp(0.1 * t, 0.5 * t));
     }
 
-    /// The parts that the model rejects if they move alone from `before` to `now`, by bisection.
+    /// Finds by bisection the parts whose motion from `before` to `now` the model rejects, if each moves alone.
     fn rejected(&mut self, before: &[f64], now: &[f64], moved: &[usize]) -> Vec<usize> {
         let mut u = before.to_vec();
         moved.iter().flat_map(|&part| &self.parts.list[part].free).for_each(|&j| u[j] = now[j]);

@@ -30,7 +30,7 @@ impl RowChoice {
         (options, mut before): (&EquilibriumOptions, Vec<usize>),
     ) -> Result<Arc<Self>, EquilibriumError> {
         let mut still = evaluation.clone();
-        // Only the rank is needed.
+        // The rank depends on G only, so that the values c are cleared.
         still.clear_values();
         let mut settings = options.analysis.clone();
         before.sort_unstable();

@@ -1,4 +1,4 @@
-//! f_int, K, c, G and H at one configuration, and the residual `r = f_int + G^T lambda - f_ext`.
+//! Evaluates f_int, K, c, G and H at one configuration, and the residual `r = f_int + G^T lambda - f_ext`.
 
 use qless::Csr;
 use qless_constraints::{ConstraintSet, Evaluation, Rounding};
@@ -30,7 +30,8 @@ pub struct EquilibriumState {
     /// Stiffness of moments that are fixed in space: entries `(i, j, -d f_i / du_j)`, sorted by row. Their generalised forces f depend on
     /// u, because the moments rotate relative to the body.
     moments: Vec<(usize, usize, f64)>,
-    /// `|c_r|` in roundings of its own terms. If c no longer falls, the rounding of coordinates or of forces may count instead.
+    /// `|c_r|` of each equation in units of the rounding of its terms. If c no longer falls, the rounding of coordinates or of forces may
+    /// count instead.
     pub constraints: Vec<f64>,
     /// Bounds on the rounding of c and G.
     of_constraints: Option<Rounding>,
@@ -92,7 +93,7 @@ impl EquilibriumState {
         Ok(())
     }
 
-    /// Measures c of parts anew in which it no longer falls: what is left of c may be rounding of other rows or of forces.
+    /// Measures c again in the parts `settled`, where it no longer falls: what is left of c may be rounding of other rows or of forces.
     pub fn settle(&mut self, set: &ConstraintSet, parts: &Parts, settled: &[usize]) -> Result<(), EquilibriumError> {
         let Some(rounding) = self.of_constraints.as_ref().filter(|_| !settled.is_empty()) else { return Ok(()) };
         let weights = Scales::new(set, &self.evaluation, rounding, parts).weights;
@@ -190,7 +191,7 @@ impl EquilibriumState {
         left.abs() <= limit
     }
 
-    /// The largest `|c_r|` of the given rows, in roundings.
+    /// The largest `|c_r|` of the given rows, in units of rounding.
     pub fn constraint(&self, rows: &[usize]) -> f64 {
         rows.iter().map(|&r| self.constraints[r]).fold(0.0, f64::max)
     }

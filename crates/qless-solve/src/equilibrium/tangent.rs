@@ -19,7 +19,7 @@ use crate::common::{HALF_DIGITS, random, times};
 /// against the stiffness of the model: the step-length search shortens it.
 const ADDED: f64 = 1e-3;
 
-/// Rows are dependent, but it is not known which.
+/// Message if rows are dependent, but it is not known which.
 const NO_FACTORS: &str =
     "it is singular, and its factorization fails even after regularisation; look for dependent equations";
 
@@ -27,7 +27,8 @@ const NO_FACTORS: &str =
 type RegularTangent = (Saddle, Option<Vec<usize>>);
 
 impl<M: Model> Corrector<'_, M> {
-    /// The factored tangent of a part at the last evaluation, over independent rows; one without resistance to a motion is regularised.
+    /// The factored tangent of a part at the last evaluation, over independent rows. A tangent that does not resist some motion is
+    /// regularised.
     pub fn regular_tangent(&mut self, part: usize) -> Result<RegularTangent, EquilibriumError> {
         loop {
             let entries = self.entries(part);
@@ -49,7 +50,7 @@ impl<M: Model> Corrector<'_, M> {
         }
     }
 
-    /// The DOFs that move most in y; none if multipliers dominate it.
+    /// The DOFs that move most in the vector y; none if multipliers dominate y.
     fn motion(&self, part: usize, y: &[f64]) -> Vec<usize> {
         let free = &self.parts.list[part].free;
         let size = |y: &[f64]| y.iter().fold(0.0, |most: f64, y| most.max(y.abs()));
@@ -81,8 +82,8 @@ impl<M: Model> Corrector<'_, M> {
         SaddleEntries { units, free: free.len(), stiff, list }
     }
 
-    /// The tangents of parts in equilibrium. A part fails if its tangent does not resist every admissible motion.
-    /// A motion that is resisted by more than half of the digits needs no check.
+    /// The tangents of parts in equilibrium. A part fails if its tangent does not resist every admissible motion. A part needs no check if
+    /// the smallest singular value of its scaled tangent is above half of the digits.
     pub fn check_support(&mut self, parts: &[usize], x: &Unknowns) -> Result<Vec<(usize, Saddle)>, EquilibriumError> {
         let (mut firm, mut found, mut off) = (Vec::new(), Vec::new(), x.clone());
         for &part in parts {

@@ -6,8 +6,8 @@ use qless_constraints::{ConstraintSet, TimeError};
 
 use super::EquilibriumError;
 
-/// Largest turn of a motor in one load step. c alone would allow almost half a turn, but Newton's method changes to another branch earlier:
-/// an eighth of that is far from there.
+/// Largest turn of a motor in one load step. c alone would allow almost half a turn, but Newton's method changes to another branch earlier.
+/// An eighth of half a turn is far below that.
 const FARTHEST: f64 = PI / 8.0;
 
 /// The constraint set of a path.
