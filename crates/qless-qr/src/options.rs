@@ -7,9 +7,9 @@ pub enum Tolerance {
     /// `20 (m + n) eps max_j |a_j|` with the 2-norms of the columns, as SuiteSparseQR does (Davis 2011, Sec. 2.4).
     #[default]
     Relative,
-    /// This number times `max_j |a_j|`.
+    /// This number times `max_j |a_j|`, the largest 2-norm of a column.
     Scaled(f64),
-    /// This number.
+    /// This number itself.
     Absolute(f64),
 }
 
