@@ -407,13 +407,13 @@ impl ExplainArgs {
 }
 
 impl CheckArgs {
-    /// The load cases.
+    /// The load cases to check: all, or the one that the user names.
     pub fn choice(&self) -> LoadCaseChoice {
         LoadCaseChoice::new(self.case.as_deref(), LoadCaseChoice::All)
     }
 }
 
-/// `auto`, `none`, or a relative size.
+/// Parses `auto`, `none`, or a relative size.
 fn noise(text: &str) -> Result<Noise, String> {
     match text {
         "auto" => Ok(Noise::Auto),

@@ -7,10 +7,10 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use super::size::Size;
 use super::system;
 
-/// The limit that refused.
+/// The limit that refused an allocation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum By {
-    /// `--memory`.
+    /// The option `--memory`.
     Option,
     /// `ulimit -v`, which counts address space.
     AddressSpace,

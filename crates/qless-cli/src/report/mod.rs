@@ -35,7 +35,7 @@ pub enum CommandOutcome<'a> {
     Written(&'a Path),
     /// `clean` wrote a deck.
     Cleaned {
-        /// The deck.
+        /// Path of the cleaned deck.
         output: &'a Path,
         /// Number of equations removed because they are redundant.
         removed: usize,

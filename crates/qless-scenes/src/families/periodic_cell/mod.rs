@@ -1,4 +1,4 @@
-//! Periodicity of a cube with non-matching opposite faces: `u(x) - sum_k N_k(x - e_d) u_k - eps e_d = 0`.
+//! Periodicity of a cube with non-matching opposite faces and a mean strain eps: `u(x) - sum_k N_k(x - e_d) u_k - eps e_d = 0`.
 
 mod boundary;
 
