@@ -26,7 +26,7 @@ pub struct SparseFactor {
     pub extract: f64,
 }
 
-/// The struct of eigen.cpp.
+/// The result of a factorization, as eigen.cpp declares it.
 #[repr(C)]
 struct RawFactor {
     rank: i64,
