@@ -6,22 +6,23 @@
 //! rounding only     the terms of its equations, max_r (|C| |u| + |b|)_r / |C_rj|; if they are rounding as well, those of its forces
 //! ```
 //!
-//! Rounding of a solution is estimated by random errors of the terms, e being the share by which terms are wrong:
+//! Random errors of the terms estimate the rounding y of a solution x; e is their relative size, and M^-1 the computed inverse:
 //!
 //! ```text
 //! y = M^-1 (r (|b - A x| + e (|A| |x| + |b|)))        random r in +-[1/2, 1]
 //! ```
 //!
 //! The error of the DOFs with known units is the larger of y and `e g` times their reference, where g is the growth of rounding. The growth
-//! describes all unknowns together; if dimensionless multipliers are far larger than u, their rounding is a larger fraction of u, which y
-//! shows. Cost: one solve, and a few more if units are unknown.
+//! describes all unknowns together. If dimensionless multipliers are far larger than u, their rounding is a larger fraction of u; only y
+//! shows this. Cost: one solve, and a few more if units are unknown.
 
 use super::equations::{Equations, Solve};
 use super::matrix::entries;
 use super::part::EnforcedPart;
 use crate::common::{ENTRY_ROUNDING, RandomForces};
 
-/// Random solves if a DOF has no known unit: the largest of so many random errors of one DOF is seldom far below the largest possible.
+/// Number of random solves if a DOF has no known unit. The largest of so many random errors of a DOF is seldom far below the largest
+/// possible error.
 const TRIALS: usize = 4;
 
 /// Estimated rounding errors of the DOFs of one solution, and the references that these errors are compared with.

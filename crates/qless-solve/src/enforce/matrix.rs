@@ -12,7 +12,7 @@ use super::scale::times_power;
 use super::solver::{Llt, Lu, Solver, SolverError, SolverMatrix};
 use crate::common::SparseMatrix;
 
-/// The matrix of `(row, column, value)`, all in range; repeated entries are summed.
+/// The matrix with the entries `(row, column, value)`, all in range; repeated entries are summed.
 pub fn from_triplets(
     rows: usize,
     cols: usize,
@@ -31,7 +31,7 @@ pub fn entries(a: &SparseMatrix) -> impl Iterator<Item = (usize, usize, f64)> + 
     })
 }
 
-/// `[K C^T; C -Z]` with a diagonal Z; C has `z.len()` rows.
+/// The saddle matrix `[K C^T; C -Z]` with a diagonal Z; C has `z.len()` rows.
 pub fn bordered(
     k: &SparseMatrix,
     c: impl Iterator<Item = (usize, usize, f64)>,

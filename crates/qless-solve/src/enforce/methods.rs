@@ -141,7 +141,7 @@ impl Problem<'_> {
 /// How a block of equations is enforced; the caller may change `eliminate`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BlockPlan {
-    /// The equations, ascending.
+    /// The equations of the block, ascending.
     pub rows: Vec<usize>,
     /// Predicted fill: entries of `T^T K T` per entry of K in the rows and columns of the block's slaves.
     pub fill: f64,
@@ -202,7 +202,7 @@ impl Problem<'_> {
         Ok(plans.into_values().collect())
     }
 
-    /// The number of entries in each DOF's row of T, 1 for masters; and which DOFs are slaves.
+    /// For each DOF, the number of entries in its row of T (1 for masters), and whether it is a slave.
     fn lengths_of_t(&self) -> Result<(Vec<f64>, Vec<bool>), EnforceError> {
         let elimination = elimination_of(self.system, &self.kept)?;
         let reduction = elimination.reduction();

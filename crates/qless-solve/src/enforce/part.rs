@@ -19,12 +19,12 @@ use crate::common::SparseMatrix;
 pub struct EnforcedPart<'a> {
     /// The constraint system of the whole model.
     whole: &'a ConstraintSystem,
-    /// Its free DOFs and its equations in the numbering of the caller, ascending.
+    /// Free DOFs and then equations of the part in the numbering of the caller, ascending.
     pub dofs: Vec<usize>,
     pub rows: Vec<usize>,
     pub k: SparseMatrix,
     pub symmetric: bool,
-    /// C of the part; its right-hand sides are in `rhs`.
+    /// The equations C of the part; their right-hand sides are in `rhs`.
     pub system: ConstraintSystem,
     /// The right-hand sides `f - K u_p` and then `b - C u_p`, where u_p are prescribed values; and the sizes of their terms.
     pub rhs: (Vec<f64>, Vec<f64>),
@@ -49,7 +49,7 @@ impl EnforcedPart<'_> {
         }
     }
 
-    /// All entries of C.
+    /// All entries of the constraint matrix C of the part.
     pub fn equations(&self) -> impl Iterator<Item = Entry> + '_ {
         (0..self.rows.len()).flat_map(|i| self.system.matrix().row(i).map(move |(j, v)| (i, j, v)))
     }

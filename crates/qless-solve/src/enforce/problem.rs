@@ -134,7 +134,7 @@ fn check_arguments(k: &SparseMatrix, f: &[f64], dofs: usize) -> Result<(), Enfor
 pub struct Solution {
     /// Displacements of all DOFs.
     pub u: Vec<f64>,
-    /// lambda of `K u + C^T lambda = f`, one per equation; zero for redundant equations ([`Problem::redundant`]).
+    /// Multipliers lambda of `K u + C^T lambda = f`, one per equation; zero for redundant equations ([`Problem::redundant`]).
     pub multipliers: Vec<f64>,
     /// `-C^T lambda`: force of the constraints on each DOF.
     pub forces: Vec<f64>,

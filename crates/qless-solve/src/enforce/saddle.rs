@@ -100,7 +100,7 @@ impl<'a> SaddleInverse<'a> {
         Ok(Self { part, eliminated, elimination, condensed, border, multipliers, factor })
     }
 
-    /// `M^-1 r`.
+    /// Applies the inverse of the saddle matrix: `M^-1 r`.
     pub fn solve(&mut self, r: &[f64]) -> Result<Vec<f64>, EnforceError> {
         let (forces, gaps) = r.split_at(self.part.dofs.len());
         if !self.eliminated.is_empty() {

@@ -16,9 +16,9 @@
 
 use qless::common::DisjointSets;
 
-/// `(row, column, value)`.
+/// An entry of a matrix: `(row, column, value)`.
 pub type Entry = (usize, usize, f64);
-/// `(row, column, log2 of the size)` of a nonzero entry.
+/// A nonzero entry of a matrix: `(row, column, log2 of the size)`.
 type Power = (usize, usize, f64);
 
 /// Largest number of passes that balance K. Each pass halves the exponents of rows that are off; exponents are below 2^11. Definite
@@ -39,7 +39,7 @@ fn powers(entries: impl Iterator<Item = Entry>) -> Vec<Power> {
     entries.filter(|&(_, _, v)| v != 0.0).map(|(i, j, v)| (i, j, v.abs().log2())).collect()
 }
 
-/// Scales from K alone; none if K has no entry.
+/// Exponents of scales from K alone; a DOF without an entry in K gets none.
 fn of_stiffness(k: &[Power], n: usize) -> Vec<f64> {
     let mut scale = vec![NONE; n];
     k.iter().filter(|(i, j, _)| i == j).for_each(|&(i, _, e)| scale[i] = -0.5 * e);

@@ -1,4 +1,5 @@
-//! Newton's method at one load: `[K + H, G^T; G, 0] [du; lambda' - lambda] = -[r; c]`, with H of the current multipliers.
+//! Newton's method at one load: `[K + H, G^T; G, 0] [du; lambda' - lambda] = -[r; c]`, where H is the stiffness of the constraints at the
+//! current multipliers lambda.
 //!
 //! All parts are iterated together: one evaluation of model and constraints serves all. Scales, factors, step lengths, kept rows and
 //! termination are separate. A part that has converged or failed does not move. One iteration:
@@ -159,7 +160,7 @@ impl<M: Model> Corrector<'_, M> {
     }
 
     /// The constraint residual of a part: the largest `eps |c_r| / rounding_r` of its kept rows, where `rounding_r` bounds the rounding of
-    /// c_r.
+    /// the constraint value c_r.
     fn constraint(&self, part: usize) -> f64 {
         f64::EPSILON * self.state.constraint(&self.all[part].rows.list)
     }
@@ -245,15 +246,15 @@ impl<M: Model> Corrector<'_, M> {
         own.loose = motion;
         let mut rhs = self.rhs(part);
         if only_multipliers {
-            // The multipliers are to balance the forces, although the constraints do not hold yet: c counts as zero.
+            // The multipliers are to balance the forces, although the constraints do not hold yet: the constraint values c count as zero.
             rhs[self.parts.list[part].free.len()..].fill(0.0);
         }
         let dx = saddle.solve(&rhs);
         Some(Correction { part, saddle, dx, only_multipliers })
     }
 
-    /// The right-hand side `-[r; c]`: residual forces r on the free DOFs of a part, and c of its kept rows. It includes the effect of
-    /// prescribed DOFs that have yet to move.
+    /// The right-hand side `-[r; c]`: residual forces r on the free DOFs of a part, and constraint values c of its kept rows. It includes
+    /// the effect of prescribed DOFs that have yet to move.
     pub fn rhs(&self, part: usize) -> Vec<f64> {
         let (g, h, awaits) = (self.state.evaluation.g(), self.state.evaluation.h(), self.awaits[part]);
         let more = |start: f64, entries: &mut dyn Iterator<Item = (usize, f64)>| {
@@ -280,7 +281,7 @@ impl<M: Model> Corrector<'_, M> {
         self.awaits.fill(false);
     }
 
-    /// Moves a part along a correction.
+    /// Moves a part along a correction dx: the DOFs by the fraction t of it, the multipliers by the fraction `of_multipliers`.
     pub fn advance(&self, x: &mut Unknowns, part: usize, dx: &[f64], (t, of_multipliers): (f64, f64)) {
         let free = &self.parts.list[part].free;
         free.iter().zip(dx).for_each(|(&j, dx)| x.u[j] += t * dx);

@@ -1,6 +1,6 @@
 //! Step lengths by the natural monotonicity test (Deuflhard, Newton Methods for Nonlinear Problems, NLEQ-ERR): the next correction with the
-//! same matrix, `A^-1 F(x + t dx)`, is shorter than dx by the fraction `t / 4`. If a stiff direction bends (an axis, a rod), forces rise
-//! for a step although the error falls; a test of the residual would forbid that step.
+//! same tangent A and the residual F, `A^-1 F(x + t dx)`, is shorter than dx by the fraction `t / 4`. If a stiff direction bends (an axis,
+//! a rod), forces rise for a step although the error falls; a test of the residual would forbid that step.
 //!
 //! All parts try their lengths together. Parts that have found their length wait.
 
@@ -59,7 +59,7 @@ impl<M: Model> Corrector<'_, M> {
         Some(LengthSearch { size: step.saddle.length(&step.dx), step, t, found: near })
     }
 
-    /// One trial of all open searches; overwrites forces, c and G of x.
+    /// One trial of all open searches. It overwrites the evaluated forces, constraint values and Jacobian.
     fn attempt(&mut self, x: &Unknowns, searches: &mut [LengthSearch]) -> Result<(), EquilibriumError> {
         let mut trial = x.clone();
         let mut open: Vec<&mut LengthSearch> = searches.iter_mut().filter(|search| !search.found).collect();
@@ -80,7 +80,7 @@ impl<M: Model> Corrector<'_, M> {
         Ok(())
     }
 
-    /// Accepts the length if the next correction, `-A^-1 F(x + t dx)`, is short enough; otherwise chooses the next length.
+    /// Accepts the length t if the next Newton correction with the same tangent is short enough; otherwise chooses the next length.
     fn judge(&self, search: &mut LengthSearch) {
         let LengthSearch { step: Correction { part, saddle, dx, .. }, size, t, .. } = &*search;
         let (size, t) = (*size, *t);

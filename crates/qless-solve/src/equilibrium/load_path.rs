@@ -12,7 +12,7 @@ pub struct Start {
     pub u: Vec<f64>,
     /// Multipliers; a constraint that has none starts with zero.
     pub multipliers: PerConstraint,
-    /// The loads in equilibrium at the start, at load factor 0.
+    /// The loads at load factor 0, with which the start is in equilibrium.
     pub loads: Vec<f64>,
 }
 
@@ -27,9 +27,9 @@ impl Start {
 /// Target of a load path, at load factor 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target<'a> {
-    /// `f_ext`, one number per DOF. At the rotation of a body, these are the components of a moment in space: three for a rotation vector;
-    /// for Euler parameters, a zero and then the three components. Such a moment keeps its axis in space while the body turns; it has no
-    /// energy, so that the tangent is not symmetric ([`super::Stability::NotSymmetric`]).
+    /// External loads `f_ext`, one number per DOF. At the rotation of a body, these are the components of a moment in space: three for a
+    /// rotation vector; for Euler parameters, a zero and then the three components. Such a moment keeps its axis in space while the body
+    /// turns; it has no energy, so that the tangent is not symmetric ([`super::Stability::NotSymmetric`]).
     pub loads: &'a [f64],
     /// Prescribed DOFs and their values.
     pub prescribed: &'a [(usize, f64)],

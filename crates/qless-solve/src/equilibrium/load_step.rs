@@ -125,7 +125,8 @@ impl<M: Model> Path<'_, M> {
         solve_each((self.constraints.set(), &self.parts), &self.at.u, prescribed, &options)
     }
 
-    /// Iterates the parts that are not done. An error concerns the whole model; `before` is the last configuration that could be evaluated.
+    /// Iterates the parts that are not done. An error concerns the whole model; `last_valid` is the last configuration that could be
+    /// evaluated.
     fn attempt(
         &mut self,
         (x, last_valid): (&mut Unknowns, Option<Unknowns>),

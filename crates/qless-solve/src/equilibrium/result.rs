@@ -40,8 +40,8 @@ pub struct LoadStep {
 pub struct Equilibrium {
     /// Displacements of all DOFs.
     pub u: Vec<f64>,
-    /// Multipliers, one per equation, in units of force times displacement per unit of c; 0 for redundant equations. Each multiplier
-    /// belongs to its constraint, also after other constraints are added or removed.
+    /// Multipliers, one per equation, in units of force times displacement per unit of the constraint value; 0 for redundant equations.
+    /// Each multiplier belongs to its constraint, also after other constraints are added or removed.
     pub multipliers: PerConstraint,
     /// `f_int + G^T lambda - f_ext` at prescribed DOFs, the support forces; one per DOF, zero elsewhere. At rotations of bodies, moments in
     /// space, as in [`super::Target::loads`].
@@ -51,11 +51,11 @@ pub struct Equilibrium {
     pub constraint_forces: Vec<f64>,
     /// Redundant equations, which have no multiplier.
     pub redundant: Vec<usize>,
-    /// Result of the check that [`super::EquilibriumOptions::stability`] asks for. [`Stability::Stable`] if all connected parts are stable;
-    /// the unstable directions of all parts are added up; not symmetric or undecided if one part is.
+    /// Result of the check that [`super::EquilibriumOptions::stability`] asks for: [`Stability::Stable`] if all connected parts are stable.
+    /// The unstable directions of all parts are added up. If one part is not symmetric or undecided, so is the result.
     pub stability: Option<Stability>,
     /// All attempted load steps, including failed ones.
     pub steps: Vec<LoadStep>,
-    /// The loads in equilibrium.
+    /// The loads with which the model is in equilibrium.
     pub loads: Vec<f64>,
 }

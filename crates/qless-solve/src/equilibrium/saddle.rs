@@ -12,7 +12,7 @@ use faer::sparse::{SymbolicSparseColMat, Triplet};
 
 use crate::common::{SparseMatrix, random, times};
 
-/// Passes of scaling by square roots of the largest entries. Each pass halves the exponents, which have 10 bits.
+/// Number of passes of scaling by square roots of the largest entries. Each pass halves the exponents, which have 10 bits.
 const ROUNDS: usize = 10;
 /// A singular value of the scaled matrix below this, about 50 units in the last place, is rounding of the factors; the largest entries are
 /// one.
@@ -76,7 +76,7 @@ impl Saddle {
         x.iter().zip(&self.scale).fold(0.0, |sum: f64, (x, d)| sum.hypot(x / d))
     }
 
-    /// `D (saddle) D y` for another saddle matrix, with the scales of this one.
+    /// The product `D (saddle) D y` for another saddle matrix, with the scales D of this one.
     pub fn applied(&self, entries: &SaddleEntries, y: &[f64]) -> Vec<f64> {
         let mut sum = vec![0.0; y.len()];
         entries.list.iter().for_each(|&(i, j, v)| sum[i] += self.scale[i] * v * self.scale[j] * y[j]);
@@ -92,7 +92,7 @@ fn inverse(lu: &Lu<usize, f64>, b: &[f64]) -> Vec<f64> {
     (0..b.len()).map(|i| x[(i, 0)]).collect()
 }
 
-/// The unit vector y with the smallest `|A y|`, and this length; none if a pivot is zero.
+/// The unit vector y with the smallest `|A y|` for the factored matrix A, and this length; none if a pivot is zero.
 fn inverse_iteration(lu: &Lu<usize, f64>, n: usize) -> Option<(Vec<f64>, f64)> {
     let unit = |x: Vec<f64>| -> (Vec<f64>, f64) {
         let size = norm(&x);

@@ -34,9 +34,9 @@ const POWERS: i32 = 6;
 pub enum Stability {
     /// The tangent is positive definite on the admissible motions.
     Stable,
-    /// The tangent has negative directions.
+    /// The tangent has negative eigenvalues on the admissible motions.
     Unstable {
-        /// Number of independent motions that lower the energy: negative eigenvalues of `Z^T (K + H) Z`, where Z is a basis of `G Z = 0`.
+        /// Number of independent motions that lower the energy: negative eigenvalues of the tangent on the admissible motions.
         directions: usize,
     },
     /// The tangent is not symmetric, so that there is no energy.
@@ -81,7 +81,7 @@ fn symmetric(a: &SparseMatrix) -> bool {
     (0..a.ncols()).all(|j| column(j).all(|(i, v)| (v - other(j, i)).abs() <= f64::EPSILON.sqrt()))
 }
 
-/// Factors `K + H + G^T G / s = L D L^T` for the shift s.
+/// Factors `K + H + G^T G / s = L D L^T`, with the tangent K + H, the constraint Jacobian G and the shift s.
 struct InertiaFactors {
     free: usize,
     shift: f64,
@@ -105,7 +105,7 @@ impl InertiaFactors {
         Some(Self { free, shift, symbolic, values })
     }
 
-    /// The number of negative pivots, if it is proven to be the number of negative eigenvalues of `Z^T (K + H) Z` with `G Z = 0`.
+    /// The number of negative pivots, if it is proven to be the number of negative eigenvalues of the tangent on the admissible motions.
     fn proven(&self, a: &SparseMatrix) -> Option<usize> {
         let mut x: Vec<f64> = (0..a.ncols() as u64).map(random).collect();
         let before = norm(&x);
@@ -118,7 +118,8 @@ impl InertiaFactors {
         (norm(&x) <= before * 3_f64.powi(-POWERS)).then(|| pivots.filter(|pivot| *pivot < 0.0).count())
     }
 
-    /// `M^-1 b` for `M = [K + H, G^T; G, -s I]`: `x = (K + H + G^T G / s)^-1 (b_1 + G^T b_2 / s)`, `y = (G x - b_2) / s`.
+    /// `M^-1 b` for the shifted saddle matrix `M = [K + H, G^T; G, -s I]`: `x = (K + H + G^T G / s)^-1 (b_1 + G^T b_2 / s)`,
+    /// `y = (G x - b_2) / s`.
     fn solve(&self, a: &SparseMatrix, b: &[f64]) -> Option<Vec<f64>> {
         let (motion, rows) = b.split_at(self.free);
         let mut whole = [&vec![0.0; self.free][..], rows].concat();
@@ -136,7 +137,7 @@ impl InertiaFactors {
     }
 }
 
-/// The upper half of `K + H + G^T G / s`; none if it would have too many entries.
+/// The upper half of `K + H + G^T G / s`, from the saddle matrix `a`; none if it would have too many entries.
 fn stiffened(a: &SparseMatrix, free: usize, shift: f64) -> Option<SparseMatrix> {
     let column = |j: usize| a.symbolic().row_idx_of_col(j).zip(a.val_of_col(j));
     // In the saddle matrix, the columns after the DOFs hold `G^T`.

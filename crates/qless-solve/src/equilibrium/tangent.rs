@@ -6,8 +6,9 @@
 //! In equilibrium the tangent must resist every admissible motion by more than rounding. A bar without force, for example, has a transverse
 //! stiffness from the rounding of its strain.
 //!
-//! Let y be the vector with the smallest `|A y|`, and A' the tangent after a change of u and lambda by their next correction, and of u in
-//! its last places. The support is rounding if `|A' y - A y| > |A y| / 10`: then not one digit of it is known. Cost: two evaluations.
+//! Let A be the scaled tangent, y the vector with the smallest `|A y|`, and A' the tangent after a change of u and lambda by their next
+//! correction, and of u in its last places. The support is rounding if `|A' y - A y| > |A y| / 10`: then not one digit of it is known.
+//! Cost: two evaluations.
 
 use super::corrector::Corrector;
 use super::saddle::{SINGULAR, Saddle, SaddleEntries, largest, norm};
@@ -15,8 +16,8 @@ use super::state::{ULPS, Unknowns};
 use super::{EquilibriumError, Model};
 use crate::common::{HALF_DIGITS, random, times};
 
-/// Added to the scaled diagonal if the tangent is singular. The motion without resistance then moves a thousand times as far as it would
-/// against the stiffness of the model: the step-length search shortens it.
+/// This number is added to the scaled diagonal if the tangent is singular. The motion without resistance then moves a thousand times as far
+/// as it would against the stiffness of the model: the step-length search shortens it.
 const ADDED: f64 = 1e-3;
 
 /// Message if rows are dependent, but it is not known which.
