@@ -365,7 +365,7 @@ impl ModelArgs {
         self.threads.map(|asked| asked.min(most))
     }
 
-    /// The library's settings.
+    /// The settings of the library, from these arguments.
     pub fn options(&self) -> Options {
         let standard = Options::default();
         let relative = self.tolerance.map_or(standard.tolerance, Tolerance::Relative);

@@ -52,7 +52,7 @@ impl Reflections {
 /// Q as the reflections of all fronts.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Q {
-    /// Row of A that becomes each row of `Q^T A P`: a permutation.
+    /// For each row of `Q^T A P`, the row of A that becomes it: a permutation.
     pub row: Vec<u32>,
     /// Fronts with reflections, children before parents.
     pub fronts: Vec<Reflections>,

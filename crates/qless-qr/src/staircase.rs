@@ -15,7 +15,7 @@ use rayon::prelude::*;
 
 use crate::reflections::{Reflect, Reflections, SquaredNorm};
 
-/// Largest number of columns in a panel.
+/// Largest number of columns in a panel of a large front.
 pub(crate) const PANEL: usize = 48;
 /// Pairs (number of entries, panel width), in descending order. A front with at least this number of entries has panels of this width.
 /// Smaller fronts are eliminated column by column.

@@ -55,7 +55,8 @@ pub struct Reduced<'a> {
 }
 
 impl ReportFormat {
-    /// Limit on the terms of all explanations in a report; 0 for text, which computes only the explanations that it shows.
+    /// Limit on the terms of all explanations in a report; 0 for text, which computes only the explanations that it shows, and for VTU,
+    /// which shows none.
     pub fn terms(self) -> usize {
         if matches!(self, Self::Text | Self::Vtu) { 0 } else { Report::TERMS }
     }

@@ -72,7 +72,7 @@ fn summed(fronts: &Fronts, flops: &[f64], shapes: &[FrontShape]) -> Vec<f64> {
     work
 }
 
-/// The sum along the longest path from a leaf to a root.
+/// The sum of the numbers of fronts along the longest path from a leaf to a root.
 fn longest(fronts: &Fronts, mut serial: Vec<f64>) -> f64 {
     let mut below = vec![0.0_f64; serial.len()];
     for f in 0..fronts.len() {

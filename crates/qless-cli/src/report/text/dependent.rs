@@ -142,7 +142,7 @@ fn rows(first: &str, dependent: &[&DependentRow]) -> String {
     const TAIL: &str = ", ...";
     let rows: Vec<usize> = dependent.iter().map(|d| d.row + 1).collect();
     let pieces = ranges(&rows);
-    // A long label leaves room for some rows.
+    // A line with a long label is wider, so that some rows fit.
     let columns = COLUMNS.max(width(first) + 30);
     let flowed = flow(first, "", &pieces, (1, columns), TAIL.len());
     let left_out = flowed.used < pieces.len();

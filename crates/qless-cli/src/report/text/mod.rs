@@ -1,4 +1,5 @@
-//! The report as text of at most 24 lines, and two more if a conflict needs them: verdict, dependent equations with certificates, confidence, advice.
+//! The report as text of at most 24 lines, and two more if a conflict needs them. It has the verdict, dependent equations with
+//! certificates, confidence and advice.
 //!
 //! Items that do not fit are counted; `--format json` has all of them.
 

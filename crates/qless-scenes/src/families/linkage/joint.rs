@@ -24,7 +24,7 @@ impl Joint {
     /// Names and terms of the equations of the joint. A body has six DOFs: displacement and small rotation.
     pub(super) fn equations(&self, centres: &[[f64; 3]]) -> impl Iterator<Item = (&'static str, Terms)> {
         let point = (0..3).map(|axis| (["x", "y", "z"][axis], self.point(centres, axis)));
-        // The first two axes span the plane of the net.
+        // A hinge fixes the rotations about the first two axes, which span the plane of the net.
         let sides = if self.kind == JointKind::Hinge { &AXES[..2] } else { &[] };
         point.chain(["axis 1", "axis 2"].into_iter().zip(sides.iter().map(|side| self.rotation(*side))))
     }
