@@ -17,7 +17,7 @@ use super::run::Done;
 use super::sample::Measured;
 use super::spring::{Springs, with_rows};
 
-/// A system with its truth and its solution.
+/// A system with its true rank and the solution of its spring problem.
 pub struct Reference<'a> {
     pub scene: &'a Scene,
     rank: usize,

@@ -47,7 +47,7 @@ pub fn warmed(mut done: Done, system: &ConstraintSystem, method: &BenchMethod) -
     Ok(done)
 }
 
-/// One run. The error is that of the method, mostly insufficient memory.
+/// One run. The error is that of the method, usually a lack of memory.
 pub fn once(system: &ConstraintSystem, method: &BenchMethod) -> Result<Done, GivenUpReason> {
     match &method.engine {
         Engine::BareQr => bare(system),

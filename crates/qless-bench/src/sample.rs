@@ -14,7 +14,7 @@ pub struct Sample {
 }
 
 impl Sample {
-    /// `None` if the method was given up.
+    /// The measurements; `None` if the method was given up.
     pub fn measured(&self) -> Option<Measured> {
         self.result.as_ref().ok().copied()
     }

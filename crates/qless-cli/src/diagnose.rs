@@ -1,4 +1,4 @@
-//! Reads and analyses a model, for check, reduce and clean. `report` renders the result.
+//! Reads and analyses a model, for check, reduce, clean, explain and diff. `report` renders the result.
 
 mod gates;
 

@@ -93,7 +93,7 @@ fn add_block(output: &mut Output, number: usize, block: &FactoredBlock, parts: &
     output.indices(&name("prescribed.txt"), block.prescribed())
 }
 
-/// Refuses an output folder that cannot be written, or whose files would be lost.
+/// Refuses an output folder that cannot be written, or in which a file of a case or an input would be overwritten.
 fn check_place(args: &ReduceArgs) -> Result<(), CliFailure> {
     // A case and a reduction both have a prescribed.txt, with different meanings: refuse the folder of a case.
     if args.output.join("C.mtx").symlink_metadata().is_ok() {

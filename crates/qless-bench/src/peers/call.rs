@@ -15,7 +15,7 @@ pub enum CallError {
     Failed(String),
 }
 
-/// `A P = Q R` of a sparse A.
+/// The factorization `A P = Q R` of a sparse A.
 #[derive(Debug)]
 pub struct SparseFactor {
     pub order: Vec<usize>,

@@ -73,7 +73,7 @@ impl Refusal {
 
 impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        // Must not allocate.
+        // This runs when memory has run out, so it must not allocate.
         let (needed, allowed) = (Size(self.needed()), Size(self.allowed));
         write!(f, "at least {needed}")?;
         if self.by == By::AddressSpace {

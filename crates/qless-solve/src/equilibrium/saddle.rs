@@ -26,7 +26,7 @@ pub struct SaddleEntries {
     pub units: Vec<f64>,
     /// Number of DOFs.
     pub free: usize,
-    /// Number of entries of the model's stiffness, which come first.
+    /// Number of entries of the model's stiffness, which come first in `list`.
     pub stiff: usize,
     pub list: Vec<(usize, usize, f64)>,
 }

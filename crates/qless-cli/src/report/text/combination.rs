@@ -102,12 +102,12 @@ impl CombinationAlone {
         }
     }
 
-    /// The predicate of a sentence about one such equation.
+    /// The predicate of a sentence about one equation that is dependent alone.
     pub fn one(self) -> &'static str {
         if self == Self::Empty { "has no coefficients" } else { "has no free DOF: all are prescribed" }
     }
 
-    /// The name for several such equations.
+    /// The name for several equations that are dependent alone.
     pub fn several(self) -> &'static str {
         if self == Self::Empty { "rows without coefficients" } else { "rows whose DOFs are all prescribed" }
     }

@@ -18,7 +18,7 @@ pub fn section(list: &EquationList, kind: Kind, most: usize) -> Vec<String> {
         return Vec::new();
     }
     let mut lines = vec![heading(kind).to_owned()];
-    // One line for all equations without free DOFs: many of them would hide the others.
+    // One line for each kind of equation without free DOFs: many of them would hide the others.
     let of_kind = if kind == Kind::Redundant { group(list, of_kind, &mut lines) } else { of_kind };
     let groups = origins(list, &of_kind);
     let mut shown = 0;
@@ -48,7 +48,7 @@ fn origins<'a>(list: &EquationList, of_kind: &[&'a DependentRow]) -> Vec<Vec<&'a
     groups.iter().map(|group| group.rows.iter().filter_map(of_row).collect()).collect()
 }
 
-/// A line about equations like the one shown: ` so are 29 more: rows 12-40`.
+/// A line about equations like the one shown: `      so are 29 more: rows 12-40`.
 fn alike(list: &EquationList, group: &[&DependentRow]) -> Option<String> {
     let others = group.get(1..).filter(|others| !others.is_empty())?;
     let (number, verb) = (others.len(), if others.len() == 1 { "is" } else { "are" });
@@ -130,7 +130,7 @@ fn mismatch(equations: &dyn EquationLookup, dependent: &DependentRow, is_alone: 
     format!("      right-hand side {}, but {who} {} (mismatch {off})", number(found), number(needed))
 }
 
-/// A line about equations that are not shown: ` and 480 more (why: qless explain a.inp 'row 12'): rows 12, 15, 19-22, ...`.
+/// A line about equations that are not shown: `  and 480 more (why: qless explain a.inp 'row 12'): rows 12, 15, 19-22, ...`.
 fn rest(list: &EquationList, others: &[&DependentRow]) -> String {
     let (count, first, input) = (others.len(), others[0].row + 1, quoted(list.input));
     let plural = if count == 1 { "" } else { "s" };
