@@ -13,7 +13,7 @@ const SENTENCES: &str = "
 - If `checked` calls a rank ambiguous, `exact` decides it for typed numbers; for computed numbers only their author can.
 ";
 
-/// The section of the page.
+/// The section of the page with the cost of each effort and the advice.
 pub fn advice(samples: &[Sample], methods: &[BenchMethod]) -> String {
     let mut text = "## Which effort\n\n| method | median time in bare QRs, least to most | systems | wrong without a warning | in doubt | worst residual | peak MiB |\n\
                     | --- | --- | --- | --- | --- | --- | --- |\n"

@@ -3,7 +3,7 @@
 /// The factorization `K = L D L^T` on the free DOFs.
 pub struct Chain {
     free: Vec<bool>,
-    /// D, and the subdiagonal of L; 1 and 0 for prescribed DOFs.
+    /// The diagonal D and the subdiagonal of L in `K = L D L^T`; 1 and 0 for prescribed DOFs.
     factor: Vec<(f64, f64)>,
 }
 
@@ -24,7 +24,7 @@ impl Chain {
         &self.free
     }
 
-    /// `K^-1 r` on the free DOFs, 0 on the others.
+    /// `K^-1 r` on the free DOFs, where K is the stiffness of the chain; 0 on the others.
     pub fn solve(&self, r: &[f64]) -> Vec<f64> {
         let mut x: Vec<f64> = r.iter().zip(&self.free).map(|(&r, &free)| if free { r } else { 0.0 }).collect();
         for j in 1..x.len() {

@@ -149,7 +149,7 @@ fn write(found: &SelectedMethods, args: &BenchArgs, mut output: Output) -> Resul
     Ok(output.by(&command).commit()?)
 }
 
-/// The system of a size.
+/// The scene of the family's system with this size.
 fn scene(size: &str, family: &systems::Family) -> Result<qless_scenes::Scene, BenchError> {
     let case = family.cases.iter().find(|case| case.size == size);
     let case = case.ok_or_else(|| BenchError::Input(format!("{} has no size {size}", family.name)))?;

@@ -8,7 +8,7 @@
 use qless::SystemBuilder;
 use qless_scenes::{Scene, Truth};
 
-/// A point of the axis, and its direction.
+/// A hinge: a point of its axis, and the direction of the axis.
 type Hinge = ([f64; 3], [f64; 3]);
 type BuiltLinkage = Result<Scene, Box<dyn std::error::Error>>;
 

@@ -23,7 +23,7 @@ pub struct BenchMethod {
     pub is_dense: bool,
 }
 
-/// The name of the unit of time.
+/// The name of the method whose time is the unit.
 pub const UNIT: &str = "bare QR";
 
 /// The efforts, the least certain one first.

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::methods::{BenchMethod, EFFORTS, UNIT};
 use super::sample::{Sample, verdict};
 
-/// Name of the file.
+/// Name of the file with the panels.
 pub const FILE: &str = "trade.svg";
 
 /// Sizes in pixels: width of a panel, left edge and width of its plot, height of a line.

@@ -21,7 +21,7 @@ pub const COLOURS: [RGBColor; 10] = [
     RGBColor(230, 110, 150),
 ];
 
-/// Name of the file.
+/// Name of the file with the plot of times against equations.
 pub const GROWTH: &str = "growth.svg";
 
 /// File names and contents of the plots that have data. The error is the message of the plotting library.

@@ -17,14 +17,14 @@ use super::run::Done;
 use super::sample::Measured;
 use super::spring::{Springs, with_rows};
 
-/// A system with its truth and its solution.
+/// A system with its true rank and the solution of its spring problem.
 pub struct Reference<'a> {
     pub scene: &'a Scene,
     rank: usize,
     /// The analysis with default options, for methods that have none of their own.
     analysis: OnceCell<Option<Analysis>>,
     springs: Option<Springs>,
-    /// Known ranks of sets of rows.
+    /// Ranks that were already computed, by set of rows.
     ranks: RefCell<BTreeMap<Vec<usize>, usize>>,
 }
 
@@ -60,7 +60,7 @@ impl<'a> Reference<'a> {
         }
     }
 
-    /// Rank of some equations, at most the true rank: rounded coefficients can have a higher exact rank.
+    /// Rank of the equations `rows`, at most the true rank: rounded coefficients can have a higher exact rank.
     fn rank_of(&self, rows: Vec<usize>) -> usize {
         let count = || {
             let exact = oracle::rank_free(&part(&self.scene.system, &rows));

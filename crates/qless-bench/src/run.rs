@@ -15,16 +15,16 @@ pub struct Done {
     /// Seconds of the analysis, of the bare factorization, or of the whole elimination by another library.
     pub time: f64,
     pub rank: usize,
-    /// `None` for a bare factorization.
+    /// The reduction by the method; `None` for a bare factorization.
     pub reduction: Option<Reduction>,
-    /// `None` for other libraries.
+    /// The analysis by the method; `None` for a bare factorization and for other libraries.
     pub analysis: Option<Analysis>,
 }
 
 /// A run shorter than `SLOW` seconds is repeated at least once, and until all its runs together take `WARM` seconds.
 const SLOW: f64 = 0.25;
 const WARM: f64 = 0.01;
-/// Limit for the repetitions.
+/// Largest number of repetitions of a run.
 const REPEATS: usize = 10;
 
 /// As [`once`], but with warm caches. Without this, the first method of every round would seem slow.
@@ -47,7 +47,7 @@ pub fn warmed(mut done: Done, system: &ConstraintSystem, method: &BenchMethod) -
     Ok(done)
 }
 
-/// One run. The error is that of the method, mostly insufficient memory.
+/// One run. The error is that of the method, usually a lack of memory.
 pub fn once(system: &ConstraintSystem, method: &BenchMethod) -> Result<Done, GivenUpReason> {
     match &method.engine {
         Engine::BareQr => bare(system),

@@ -14,7 +14,7 @@ pub struct Sample {
 }
 
 impl Sample {
-    /// `None` if the method was given up.
+    /// The measurements; `None` if the method was given up.
     pub fn measured(&self) -> Option<Measured> {
         self.result.as_ref().ok().copied()
     }
@@ -72,7 +72,7 @@ impl Series {
         Self { points, slope }
     }
 
-    /// `1.02 ± 0.05`, or the reason why there is no exponent.
+    /// `exponent 1.02 ± 0.05`, or the reason why there is no exponent.
     pub fn words(&self) -> String {
         match self.slope {
             Some((exponent, error)) => format!("exponent {exponent:.2} ± {error:.2}"),

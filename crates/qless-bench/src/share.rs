@@ -9,18 +9,18 @@ use rayon::prelude::*;
 use super::methods::{BenchMethod, UNIT};
 use super::run::verdict;
 
-/// Number of systems.
+/// Number of seeded systems.
 const COUNT: u64 = 2_000;
-/// Number of systems in the short form.
+/// Number of seeded systems in the short form.
 const SHORT: u64 = 200;
 
-/// The verdicts of a method.
+/// Counts of the verdicts of a method on seeded systems.
 pub struct WrongShare {
     pub method: &'static str,
     pub systems: usize,
-    /// Wrong ranks that are not in doubt, and failures.
+    /// Number of wrong ranks that are not in doubt, and of failures.
     pub wrong: usize,
-    /// Ranks in doubt.
+    /// Number of ranks in doubt.
     pub doubtful: usize,
 }
 

@@ -32,7 +32,8 @@ pub struct Springs {
 }
 
 impl Springs {
-    /// `None` if qless finds a wrong rank, or if u* cannot be computed, for example because conjugate gradients do not converge.
+    /// The problem for a system of this rank; `None` if qless finds another rank, or if u* cannot be computed, for example because
+    /// conjugate gradients do not converge.
     pub fn new(system: &ConstraintSystem, rank: usize) -> Option<Self> {
         Self::solved(system, rank, system.dofs() <= MOST_DOFS)
     }
@@ -118,7 +119,7 @@ impl Saddle {
         Some(Self { factors: matrix.sp_lu().ok()?, free })
     }
 
-    /// du and dl with `K du + C^T dl = left`, `C du = apart`.
+    /// Solves `K du + C^T dl = left`, `C du = apart` for du and dl.
     fn solve(&self, left: &[f64], apart: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let n = left.len();
         let left = left.iter().zip(&self.free).map(|(&left, &free)| if free { left } else { 0.0 });
@@ -130,7 +131,7 @@ impl Saddle {
     }
 }
 
-/// The equations `rows`.
+/// The system with the equations `rows` only.
 pub fn with_rows(system: &ConstraintSystem, rows: &[usize]) -> ConstraintSystem {
     let mut builder = SystemBuilder::new(system.dofs());
     rows.iter().for_each(|&i| _ = builder.equation(system.matrix().row(i), system.rhs()[i]));
@@ -139,7 +140,7 @@ pub fn with_rows(system: &ConstraintSystem, rows: &[usize]) -> ConstraintSystem 
     builder.build().expect("part of a valid system")
 }
 
-/// `f - K u - C^T lambda` and `b - C u`.
+/// The residuals `f - K u - C^T lambda` and `b - C u`, in twice the precision.
 fn residuals(system: &ConstraintSystem, f: &[f64], u: &[f64], lambda: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let n = u.len();
     let mut left: Vec<Twice> = f.iter().map(|&f| Twice(f, 0.0)).collect();
@@ -219,7 +220,7 @@ mod tests {
         assert!((error - 0.5).abs() < 1e-7, "{error}");
     }
 
-    /// The same equations with and without a factorization.
+    /// The solution of the same equations is the same with a factorization and with conjugate gradients.
     #[test]
     fn large_systems_have_the_same_solution() {
         let ring = qless_scenes::families::cycle(60, 0.0).expect("a scene").system;

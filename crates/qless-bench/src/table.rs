@@ -14,10 +14,10 @@ pub const COLUMNS: &str = "family,size,equations,method,ms,ms_lower_quartile,ms_
 pub const HEAD: [&str; 11] =
     ["method", "ms", "quartiles", "x", "MiB", "rank", "drops", "keeps", "residual", "growth", "error"];
 
-/// Widths of these columns in a terminal.
+/// Widths of the columns of the table in a terminal.
 const WIDTH: [usize; HEAD.len()] = [34, 11, 20, 10, 9, 15, 6, 6, 10, 10, 10];
 
-/// A block for each system.
+/// The table as text, with a block of lines for each system.
 pub fn text(samples: &[Sample], methods: &[BenchMethod]) -> String {
     let threads = rayon::current_num_threads();
     let mut text = format!("qless {} on {threads} threads\n", env!("CARGO_PKG_VERSION"));

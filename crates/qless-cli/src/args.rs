@@ -365,7 +365,7 @@ impl ModelArgs {
         self.threads.map(|asked| asked.min(most))
     }
 
-    /// The library's settings.
+    /// The settings of the library, from these arguments.
     pub fn options(&self) -> Options {
         let standard = Options::default();
         let relative = self.tolerance.map_or(standard.tolerance, Tolerance::Relative);
@@ -407,13 +407,13 @@ impl ExplainArgs {
 }
 
 impl CheckArgs {
-    /// The load cases.
+    /// The load cases to check: all, or the one that the user names.
     pub fn choice(&self) -> LoadCaseChoice {
         LoadCaseChoice::new(self.case.as_deref(), LoadCaseChoice::All)
     }
 }
 
-/// `auto`, `none`, or a relative size.
+/// Parses `auto`, `none`, or a relative size.
 fn noise(text: &str) -> Result<Noise, String> {
     match text {
         "auto" => Ok(Noise::Auto),

@@ -1,4 +1,4 @@
-//! Reads and analyses a model, for check, reduce and clean. `report` renders the result.
+//! Reads and analyses a model, for check, reduce, clean, explain and diff. `report` renders the result.
 
 mod gates;
 
@@ -51,7 +51,7 @@ pub fn diagnose<'a>(
     let start = Instant::now();
     let Question { report: report_args, mut options, preferences, choice } = question;
     let refused = |error, system: Option<&ConstraintSystem>| CliFailure::from_analysis(error, &args.input, system);
-    // Refuse before the work begins.
+    // A backend that cannot be used is refused before the work begins.
     options.backend.get(options.memory).map_err(|error| refused(error.into(), None))?;
     memory::threads::start(args.threads()).map_err(CliFailure::from_threads)?;
     progress.stage("reading");
@@ -93,7 +93,7 @@ pub fn diagnose<'a>(
 /// Analyses a system, which may be that of a load case of a deck.
 type DiagnosisRun<'a> = &'a dyn Fn(&ConstraintSystem, Option<(&deck::Deck, &LoadCase)>) -> Result<Analysis, CliFailure>;
 
-/// The input.
+/// The input: a system of equations, or a deck.
 enum Input {
     Case(ConstraintSystem),
     Deck(Box<deck::Deck>),
@@ -177,7 +177,7 @@ impl Diagnosis<'_> {
     /// Returns the exit code, and writes to standard error what `--deny` has found.
     pub fn code(&self) -> u8 {
         let denied = self.denied();
-        // The first line of every report already says that equations are redundant.
+        // The first line of every report already says that equations are redundant, so that this alone needs no message.
         if !denied.is_empty() && self.report_args.deny.iter().any(|what| *what != Deny::Redundant) {
             say(format_args!("error: found what --deny names: {}", denied.join(", ")));
         }

@@ -21,7 +21,7 @@ use crate::terminal::{self, Progress};
 use crate::wording::printable;
 use crate::wording::{count, equation, label, number};
 
-/// Most equations that are listed for each set.
+/// Largest number of equations that are listed for each set.
 const SHOWN: usize = 20;
 
 /// Prints the equations of each set that do not follow from the other; exit code 0 if the sets have the same solutions, else 1.
@@ -66,18 +66,19 @@ pub fn run(args: &DiffArgs) -> Result<ExitCode, CliFailure> {
     Ok(if same { ExitCode::SUCCESS } else { ExitCode::from(exit_code::REFUSED) })
 }
 
-/// One of the two sets.
+/// One of the two sets that are compared.
 #[derive(Serialize)]
 struct DiffSet {
     file: String,
-    /// Whether its equations conflict; then nothing is compared.
+    /// Whether the equations of this set conflict; then nothing is compared.
     conflicting: bool,
     /// The equations and prescribed values that do not follow from the other set.
     not_implied: Vec<String>,
 }
 
 impl DiffSet {
-    /// A heading and the first equations, if there is something to say.
+    /// Lines about the set: that it conflicts, or a heading and the first equations that the other set does not imply; none if there are no
+    /// such equations.
     fn lines(&self) -> Vec<String> {
         let name = printable::line(&self.file);
         if self.conflicting {

@@ -17,7 +17,7 @@ use crate::report::{RepairWords, json};
 use crate::terminal::{self, Progress};
 use crate::wording::{self, count, label, number, printable};
 
-/// Most answers, and most members or terms in a list of the text.
+/// Largest number of answers, and of members or terms in a list of the text.
 const SHOWN: usize = 200;
 
 /// Prints an explanation for each equation and DOF that is named; exit code 0.
@@ -63,13 +63,13 @@ struct Answer {
     verdict: &'static str,
     /// The members of the explanation.
     because: Vec<Term>,
-    /// What would free it, if it alone were left out.
+    /// Equations and prescribed values, each of which would free the equation or DOF if it alone were left out.
     freed_by: Vec<String>,
-    /// The repairs that cure it.
+    /// The repairs that cure the conflict.
     repairs: Vec<RepairFinding>,
-    /// The solver's reactions.
+    /// The solver's reactions to faults of the equation or DOF, in words.
     solver: Vec<String>,
-    /// All of it in words.
+    /// The whole answer in words, line by line.
     text: Vec<String>,
 }
 
@@ -163,7 +163,7 @@ impl<'a> Teller<'a> {
         Ok(answer)
     }
 
-    /// Adds the repairs that cure a row, from 1.
+    /// Adds the repairs that cure the conflicting equation `row`, from 1.
     fn add_repairs(&self, answer: &mut Answer, row: usize) {
         answer.repairs = self.repairs.iter().filter(|repair| repair.conflicts.contains(&row)).cloned().collect();
         for words in answer.repairs.iter().filter_map(RepairWords::new) {
@@ -222,7 +222,7 @@ impl<'a> Teller<'a> {
         Ok(answer)
     }
 
-    /// ` 2 * 7:1 - 1 * 8:1 + 0.5`.
+    /// A sum of terms and a constant in words: `2 * 7:1 - 8:1 + 0.5`.
     fn sum(&self, terms: &[(usize, f64)], constant: f64) -> String {
         let mut text = String::new();
         let mut add = |factor: f64, name: Option<String>| {
@@ -280,7 +280,7 @@ fn unexplained(name: &str, error: &dyn std::fmt::Display) -> CliFailure {
 }
 
 fn list(names: &[String]) -> String {
-    /// Most names in one sentence.
+    /// Largest number of names in one sentence.
     const NAMES: usize = 12;
     let more = names.len().saturating_sub(NAMES);
     let tail = if more > 0 { format!(" and {}", count(more, "other")) } else { String::new() };

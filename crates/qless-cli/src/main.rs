@@ -4,7 +4,7 @@
 //! | --- | --- |
 //! | [`args`] | the command line |
 //! | [`check`], [`reduce`], [`clean`], [`explain`], [`diff`], [`generate`], [`bench`] | the commands, one each |
-//! | [`diagnose`] | reads and analyses a model, for check, reduce and clean |
+//! | [`diagnose`] | reads and analyses a model, for check, reduce, clean, explain and diff |
 //! | [`deck_input`] | load cases of a deck, constraints that were left out, reactions of the solver |
 //! | [`preferences`] | lists of equations and DOFs, by numbers or names |
 //! | [`report`] | renders the report: text, JSON, HTML, VTU, SARIF, JUnit |

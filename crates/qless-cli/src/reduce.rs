@@ -14,7 +14,7 @@ use crate::failure::{CliFailure, say};
 use crate::report::{CommandOutcome, Reduced};
 use crate::terminal::Progress;
 
-/// Files of every reduction, without those of factors.
+/// Names of the files of a reduction, without the files of factors.
 const FILES: [&str; 8] =
     ["T.mtx", "G.mtx", "g.txt", "slaves.txt", "masters.txt", "prescribed.txt", "cols.txt", Manifest::NAME];
 
@@ -79,7 +79,7 @@ fn beyond_range(args: &ReduceArgs, number: usize) -> CliFailure {
     ))
 }
 
-/// Adds the files of block `number`.
+/// Adds the files of the factored block `number`.
 fn add_block(output: &mut Output, number: usize, block: &FactoredBlock, parts: &Parts) -> Result<(), WriteError> {
     let name = |file: &str| format!("block{number}_{file}");
     output.matrix(&name("L.mtx"), &parts.lower)?;
@@ -93,7 +93,7 @@ fn add_block(output: &mut Output, number: usize, block: &FactoredBlock, parts: &
     output.indices(&name("prescribed.txt"), block.prescribed())
 }
 
-/// Refuses an output folder that cannot be written, or whose files would be lost.
+/// Refuses an output folder that cannot be written, or in which a file of a case or an input would be overwritten.
 fn check_place(args: &ReduceArgs) -> Result<(), CliFailure> {
     // A case and a reduction both have a prescribed.txt, with different meanings: refuse the folder of a case.
     if args.output.join("C.mtx").symlink_metadata().is_ok() {

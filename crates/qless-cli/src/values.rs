@@ -4,7 +4,7 @@ use std::num::NonZeroUsize;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
-/// A value by its name on the command line, with its line of `--help`.
+/// A value with its name on the command line and its line of `--help`.
 pub type NamedValue<T> = (&'static str, &'static str, T);
 
 /// Accepts the names of these values only.

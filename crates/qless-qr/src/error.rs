@@ -9,7 +9,7 @@ pub enum Error {
     Pattern {
         /// The first malformed column.
         column: usize,
-        /// The defect.
+        /// What is wrong with the column.
         what: &'static str,
     },
     /// The starts of a [`Matrix`](crate::Matrix) do not ascend from 0 to the number of its entries.
@@ -25,31 +25,31 @@ pub enum Error {
     /// An entry of a [`Matrix`](crate::Matrix) has a row or column index out of range.
     #[error("entry {entry} has the index {found}, which must be below {bound}")]
     Index {
-        /// Position of the entry.
+        /// Index of the entry in the arrays.
         entry: usize,
         /// The row or column index of the entry; `usize::MAX` for a negative number.
         found: usize,
-        /// Number of rows or columns.
+        /// Number of rows or columns, which the index must be below.
         bound: usize,
     },
     /// An array has the wrong length.
     #[error("{what} has {found} entries, not {expected}")]
     Length {
-        /// Name of the array.
+        /// Name of the array with the wrong length.
         what: &'static str,
         /// The length of the array.
         found: usize,
         /// Required length; for right-hand sides, the length must be a multiple of this.
         expected: usize,
     },
-    /// More rows, columns or entries than a third of the range of signed 32-bit indices.
+    /// There are more rows, columns or entries than a third of the range of signed 32-bit indices.
     #[error("a {rows} x {cols} matrix with {entries} entries is larger than its indices can count")]
     TooLarge {
-        /// Rows.
+        /// Number of rows.
         rows: usize,
-        /// Columns.
+        /// Number of columns.
         cols: usize,
-        /// Entries.
+        /// Number of entries.
         entries: usize,
     },
     /// The tolerance is negative or not a number.
@@ -66,15 +66,15 @@ pub enum Error {
     OutOfMemory {
         /// Bytes needed, as far as known when the factorization stopped.
         needed: usize,
-        /// The limit in bytes.
+        /// The memory limit in bytes.
         limit: usize,
     },
     /// [`solve`](crate::solve()) was given a matrix that is not square.
     #[error("a {rows} x {cols} matrix is not square: use least_squares or minimum_norm")]
     NotSquare {
-        /// Rows.
+        /// Number of rows.
         rows: usize,
-        /// Columns.
+        /// Number of columns.
         cols: usize,
     },
     /// [`solve`](crate::solve()) was given a matrix with dependent columns.
@@ -82,7 +82,7 @@ pub enum Error {
     Singular {
         /// Numerical rank.
         rank: usize,
-        /// Columns.
+        /// Number of columns.
         cols: usize,
     },
     /// Q is needed and was not kept.

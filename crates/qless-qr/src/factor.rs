@@ -26,13 +26,13 @@ pub struct Factor {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct FactorParts {
-    /// [`Factor::order`].
+    /// Columns of A in the order of [`Factor::order`].
     pub order: Vec<usize>,
-    /// [`Factor::r`].
+    /// The rows `[R1 R2]`, as [`Factor::r`].
     pub r: SparseRows,
-    /// [`Factor::rhs`].
+    /// The first r rows of `Q^T B`, as [`Factor::rhs`].
     pub rhs: Vec<f64>,
-    /// [`Factor::rest`].
+    /// Residual norms, as [`Factor::rest`].
     pub rest: Vec<f64>,
 }
 
@@ -67,7 +67,7 @@ impl Factor {
         &self.rhs
     }
 
-    /// 2-norms of the other rows of `Q^T B`, one for each right-hand side: the least residual `min |A x - b|`.
+    /// 2-norms of the rows of `Q^T B` after the first r, one for each right-hand side: the least residual `min |A x - b|`.
     pub fn rest(&self) -> &[f64] {
         &self.rest
     }
@@ -134,9 +134,9 @@ pub(crate) fn columns_of(found: usize, expected: usize) -> Result<usize, Error> 
 pub struct SparseRows {
     /// Start of each row, and the end of the last one.
     pub start: Vec<usize>,
-    /// Columns.
+    /// Column of each entry.
     pub col: Vec<u32>,
-    /// Values, none of them zero.
+    /// Value of each entry; no value is zero.
     pub val: Vec<f64>,
 }
 
@@ -153,7 +153,7 @@ impl SparseRows {
 }
 
 impl Factor {
-    /// Row i of R1: the diagonal entry, and the columns and values behind it.
+    /// Row i of the triangle R1 of R: its diagonal entry, and the columns and values behind it.
     fn upper(&self, i: usize) -> (f64, &[u32], &[f64]) {
         let (from, to) = (self.r.start[i], self.r.start[i + 1]);
         let to = if self.rank() == self.cols() {
@@ -164,7 +164,7 @@ impl Factor {
         (self.r.val[from], &self.r.col[from + 1..to], &self.r.val[from + 1..to])
     }
 
-    /// `z <- R1^{-1} z`, z of length r: two operations for each entry of R1.
+    /// `z <- R1^{-1} z` with the r x r triangle R1 of R and z of length r: two operations for each entry of R1.
     pub(crate) fn back(&self, z: &mut [f64]) {
         for i in (0..self.rank()).rev() {
             let (diagonal, columns, values) = self.upper(i);
@@ -173,7 +173,7 @@ impl Factor {
         }
     }
 
-    /// `c <- R1^{-T} c`, c of length r.
+    /// `c <- R1^{-T} c` with the r x r triangle R1 of R and c of length r.
     pub(crate) fn forward(&self, c: &mut [f64]) {
         for i in 0..self.rank() {
             let (diagonal, columns, values) = self.upper(i);
@@ -183,7 +183,7 @@ impl Factor {
         }
     }
 
-    /// `|R1|_1`, the largest absolute column sum.
+    /// `|R1|_1`, the largest absolute column sum of the r x r triangle R1 of R.
     pub(crate) fn norm_one(&self) -> f64 {
         let mut sums = vec![0.0; self.rank()];
         for i in 0..self.rank() {
@@ -195,14 +195,14 @@ impl Factor {
     }
 }
 
-/// Limit for the steps of Hager's ascent, which seldom takes more than three.
+/// Largest number of steps of Hager's ascent for a norm, which seldom takes more than three.
 const STEPS: usize = 5;
-/// Limit for the steps of the inverse iteration.
+/// Largest number of steps of the inverse iteration for the smallest singular value.
 const ITERATIONS: usize = 30;
 
 impl Factor {
-    /// Lower estimate of the condition number `|R1|_1 |R1^{-1}|_1`; 1 if the rank is 0, infinite if `R1^{-1}` overflows.
-    /// With full column rank, R1 has the singular values of A.
+    /// Lower estimate of the condition number `|R1|_1 |R1^{-1}|_1`; 1 if the rank is 0, infinite if `R1^{-1}` overflows. R1 is the r x r
+    /// triangle of R; with full column rank, it has the singular values of A.
     ///
     /// The norm of the inverse comes from Hager's ascent over the corners of the unit ball with Higham's last guess (Hager
     /// 1984; Higham 1988, Algorithm 4.1). It is seldom below a third of the true norm. Cost: two substitutions with R1 for
@@ -220,7 +220,8 @@ impl Factor {
         if self.rank() == 0 { 1.0 } else { finite(self.norm_one() * self.inverse_norm_one()) }
     }
 
-    /// Upper estimate of the smallest singular value of R1 by inverse iteration on `R1^T R1`; infinite if the rank is 0.
+    /// Upper estimate of the smallest singular value of R1, the r x r triangle of R, by inverse iteration on `R1^T R1`; infinite if the
+    /// rank is 0.
     pub fn smallest_singular_value(&self) -> f64 {
         let r = self.rank();
         let mut x: Vec<f64> = (0..r).map(|i| 1.0 + i as f64 / r as f64).collect();
@@ -243,7 +244,7 @@ impl Factor {
         smallest
     }
 
-    /// Lower estimate of `|R1^{-1}|_1`.
+    /// Lower estimate of `|R1^{-1}|_1`, where R1 is the r x r triangle of R.
     fn inverse_norm_one(&self) -> f64 {
         let r = self.rank();
         let mut x = vec![1.0 / r as f64; r];

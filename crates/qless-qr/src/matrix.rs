@@ -22,7 +22,7 @@ use std::borrow::Cow;
 pub struct Matrix<'a, P = usize, I = u32> {
     rows: usize,
     cols: usize,
-    /// True if the lists are rows, false if they are columns.
+    /// True if the matrix is stored by rows, false if it is stored by columns.
     is_by_rows: bool,
     start: &'a [P],
     index: &'a [I],
@@ -85,7 +85,7 @@ impl<'a, P: Index, I: Index> Matrix<'a, P, I> {
         if self.is_by_rows { self.rows } else { self.cols }
     }
 
-    /// Entries of list k.
+    /// Range of the entries of row k, or of column k if the matrix is stored by columns.
     fn list(&self, k: usize) -> std::ops::Range<usize> {
         self.start[k].position()..self.start[k + 1].position()
     }
@@ -247,7 +247,7 @@ impl<P: Index, I: Index> Matrix<'_, P, I> {
     }
 }
 
-/// An unevaluated sum of two numbers.
+/// An unevaluated sum of two numbers, which has twice the digits of one.
 struct DoubleSum {
     high: f64,
     low: f64,

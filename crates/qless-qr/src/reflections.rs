@@ -16,14 +16,14 @@ use rayon::prelude::*;
 /// The reflections of one front.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Reflections {
-    /// Row of A for each row of the front.
+    /// For each row of the front, its row of A.
     pub rows: Vec<u32>,
-    /// First row of each reflection.
+    /// For each reflection, the first row of the front that it changes.
     pub first: Vec<u32>,
     /// End of each reflection's vector in `v`.
     pub end: Vec<usize>,
     pub tau: Vec<f64>,
-    /// Vectors, each with its leading 1.
+    /// The vectors of all reflections, each with its leading 1.
     pub v: Vec<f64>,
 }
 
@@ -42,7 +42,7 @@ impl Reflections {
         self.end.push(self.v.len());
     }
 
-    /// First row, factor and vector of reflection t.
+    /// First row, factor tau and vector v of reflection t.
     fn get(&self, t: usize) -> (usize, f64, &[f64]) {
         let from = if t == 0 { 0 } else { self.end[t - 1] };
         (self.first[t] as usize, self.tau[t], &self.v[from..self.end[t]])
@@ -52,7 +52,7 @@ impl Reflections {
 /// Q as the reflections of all fronts.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Q {
-    /// Row of A that becomes each row of `Q^T A P`: a permutation.
+    /// For each row of `Q^T A P`, the row of A that becomes it: a permutation.
     pub row: Vec<u32>,
     /// Fronts with reflections, children before parents.
     pub fronts: Vec<Reflections>,
@@ -214,7 +214,7 @@ fn reflect_four<S: Simd>(simd: S, v: &[f64], tau: f64, columns: [&mut [f64]; 4])
     simd.partial_store_f64s(d_tail, simd.mul_add_e_f64s(last, scale_d, d_last));
 }
 
-/// `v^T v`.
+/// Computes `v^T v` for the vector v that it holds.
 pub(super) struct SquaredNorm<'a>(pub &'a [f64]);
 
 impl WithSimd for SquaredNorm<'_> {

@@ -1,10 +1,10 @@
 //! `Q^T F = [R; echelon]`: elimination of a dense front F whose column k is zero below row `stair(k)`.
 //!
-//! Step k reflects rows g..stair(k) so that column k vanishes below row g; then g grows by one. A pivotal column is
-//! dependent if the 2-norm of its part in those rows is at most the tolerance (Heath 1982); it takes no row. Any other column whose part is
-//! zero takes no row either. Large fronts apply the reflections of a panel at once by matrix products, `C <- (I - V T^T V^T) C` (Schreiber,
-//! Van Loan 1989). While the reflections of a panel are applied to the columns behind the next panel, another thread eliminates the next
-//! panel.
+//! Step k reflects rows g..stair(k), where g rows are already eliminated, so that column k vanishes below row g; then g grows by one. A
+//! pivotal column is dependent if the 2-norm of its part in those rows is at most the tolerance (Heath 1982); it takes no row. Any other
+//! column whose part is zero takes no row either. Large fronts apply the reflections of a panel at once by matrix products,
+//! `C <- (I - V T^T V^T) C` (Schreiber, Van Loan 1989). While the reflections of a panel are applied to the columns behind the next panel,
+//! another thread eliminates the next panel.
 
 use std::ops::Range;
 
@@ -15,14 +15,14 @@ use rayon::prelude::*;
 
 use crate::reflections::{Reflect, Reflections, SquaredNorm};
 
-/// Width of the widest panel.
+/// Largest number of columns in a panel of a large front.
 pub(crate) const PANEL: usize = 48;
-/// The least number of entries of a front and the width of its panels, the largest fronts first. Smaller fronts are eliminated column by
-/// column.
+/// Pairs (number of entries, panel width), in descending order. A front with at least this number of entries has panels of this width.
+/// Smaller fronts are eliminated column by column.
 const WIDTHS: [(usize, usize); 3] = [(2_000_000, PANEL), (60_000, 32), (2_500, 16)];
-/// Columns of one matrix product. The number is fixed, so that the result is the same to the last bit for every number of threads.
+/// Number of columns in one matrix product. It is fixed, so that the result is the same to the last bit for every number of threads.
 const TOGETHER: usize = 64;
-/// Least operations of a task: a tenth of a millisecond, many times the time that it takes to wake a thread.
+/// Smallest number of operations of a parallel task. They take a tenth of a millisecond, many times as long as waking a thread.
 pub(crate) const TASK: usize = 500_000;
 
 /// The shape of a dense front: its values are `rows` x (`cols` + right-hand sides), by columns.
@@ -182,7 +182,8 @@ impl Panel {
         self.tau.clear();
     }
 
-    /// T, upper triangular: `T_jj = tau_j`, `T_:j = -tau_j T V^T v_j` above the diagonal.
+    /// Computes the upper triangular T of the panel's reflections `I - V T V^T`: `T_jj = tau_j`, `T_:j = -tau_j T V^T v_j` above the
+    /// diagonal.
     fn close(&mut self) {
         let w = self.tau.len();
         self.t.clear();

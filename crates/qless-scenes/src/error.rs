@@ -11,9 +11,9 @@ pub enum SceneError {
     /// A size is out of range.
     #[error("{what} is {found}; it must be from {least} to {most}")]
     Size {
-        /// Name of the size.
+        /// Name of the size that is out of range.
         what: &'static str,
-        /// Its value.
+        /// Value of the size.
         found: usize,
         /// Smallest allowed value.
         least: usize,
@@ -23,27 +23,27 @@ pub enum SceneError {
     /// A size is not a multiple of the required number.
     #[error("{what} is {found}; it must be a multiple of {of}")]
     NotMultiple {
-        /// Name of the size.
+        /// Name of the size that is not a multiple.
         what: &'static str,
-        /// Its value.
+        /// Value of the size.
         found: usize,
-        /// Its required divisor.
+        /// Number that should divide the size.
         of: usize,
     },
     /// A number is zero, infinite or NaN.
     #[error("{what} is {found}; it must be finite and not zero")]
     Number {
-        /// Name of the number.
+        /// Name of the number that is zero, infinite or NaN.
         what: &'static str,
-        /// Its value.
+        /// Value of the number.
         found: f64,
     },
     /// The ends of the elements do not ascend from 0 to 1.
     #[error("end {node} (from 0) of the elements is at {found}; ends must ascend from 0 to 1 by at least 2^-30")]
     Mesh {
-        /// Index of the end.
+        /// Index of the first wrong end.
         node: usize,
-        /// Its position.
+        /// Position of this end.
         found: f64,
     },
     /// The generated equations are not a valid system, for example because scaling overflowed.

@@ -104,7 +104,7 @@ pub enum Component {
 }
 
 impl Component {
-    /// x, y and z.
+    /// The components x, y and z.
     pub const SPACE: [Self; 3] = [Self::X, Self::Y, Self::Z];
 
     /// The letter in labels: `x`, `y`, `z`, `n`.

@@ -6,7 +6,7 @@ use qless::common::SplitMix64;
 /// A sparse matrix by columns.
 pub type SparseMatrix = SparseColMat<usize, f64>;
 
-/// Half of the digits of a double. A quantity above this share of its terms keeps more digits than rounding takes.
+/// After cancellation, a sum above this fraction of its terms still has at least half of the digits of a double.
 pub const HALF_DIGITS: f64 = 1e-8;
 
 /// Relative rounding of an entry of a matrix, which is the result of about 16 operations.

@@ -8,7 +8,7 @@ pub struct FigureBlock {
     pub c: Csr,
     /// `C^T` by columns, so row i is equation i.
     pub transposed: Csr,
-    /// b of these equations.
+    /// Right-hand sides of the equations of the block.
     pub rhs: Vec<f64>,
 }
 

@@ -96,7 +96,8 @@ pub fn pairs(levels: &[FigureLevel], family: &str, side: FigureSide, qr: &str) -
     levels.iter().filter(|level| level.family == family).filter_map(pair).collect()
 }
 
-/// Percent, equations, seconds of three trials of the block-wise Gauss elimination, and of three trials of the Q-less sparse QR.
+/// Table 1 of the paper: percent, equations, seconds of three trials of the block-wise Gauss elimination, and of three trials of the Q-less
+/// sparse QR.
 #[rustfmt::skip]
 const TABLE_1: [(u32, u32, [f64; 3], [f64; 3]); 7] = [
     (50, 7_580, [1.807, 1.895, 1.818], [3.061, 3.127, 3.029]),

@@ -43,7 +43,7 @@ pub struct FigureLevel {
     pub family: &'static str,
     pub size: String,
     pub equations: usize,
-    /// The true rank.
+    /// The true rank of the system.
     pub rank: usize,
     pub blocks: usize,
     /// Equations and DOFs of the block with most equations.

@@ -11,7 +11,7 @@ use super::super::systems::TIE;
 use super::crossing::{Pair, crossings, pairs, papers_pairs};
 use super::{FigureLevel, FigureSide, GAUSS, backends, families, series};
 
-/// The file's name.
+/// Name of the file with the plot.
 pub const FILE: &str = "figure-15.svg";
 
 /// Lengths of dashes and gaps of the lines for `C^T`, in pixels.

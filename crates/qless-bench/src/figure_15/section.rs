@@ -7,7 +7,7 @@ use super::crossing::{pairs, papers_pairs, sentence};
 use super::plot::FILE;
 use super::{FigureLevel, FigureSide, GAUSS, Way, backends, families};
 
-/// The file with every number.
+/// Name of the file with every measured number.
 pub const CSV: &str = "figure-15.csv";
 
 const INTRODUCTION: &str = "One factorization of every block on one thread, as in the paper: without presolve, scaling or \
@@ -26,7 +26,7 @@ pub fn markdown(levels: &[FigureLevel]) -> String {
     text
 }
 
-/// The tables only.
+/// The tables of crossings and of times, without an introduction.
 pub fn text(levels: &[FigureLevel]) -> String {
     let mut text = "Where they cross:\n\n".to_owned();
     crossings(&mut text, levels);

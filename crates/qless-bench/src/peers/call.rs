@@ -15,7 +15,7 @@ pub enum CallError {
     Failed(String),
 }
 
-/// `A P = Q R` of a sparse A.
+/// The factorization `A P = Q R` of a sparse A.
 #[derive(Debug)]
 pub struct SparseFactor {
     pub order: Vec<usize>,
@@ -26,7 +26,7 @@ pub struct SparseFactor {
     pub extract: f64,
 }
 
-/// The struct of eigen.cpp.
+/// The result of a factorization, as eigen.cpp declares it.
 #[repr(C)]
 struct RawFactor {
     rank: i64,

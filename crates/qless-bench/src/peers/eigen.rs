@@ -68,7 +68,7 @@ fn norm(x: &[f64]) -> f64 {
     x.iter().map(|v| v * v).sum::<f64>().sqrt()
 }
 
-/// `QLESS_BENCH_PARTS=1` prints the times of both steps.
+/// Prints the times of the factorization and of computing R and `Q^T B`, if the environment variable `QLESS_BENCH_PARTS` is set.
 pub(super) fn log(name: &str, compute: f64, extract: f64) {
     if std::env::var_os("QLESS_BENCH_PARTS").is_some() {
         eprintln!("{name}: factorization {compute:.4} s, R and Q^T B {extract:.4} s");

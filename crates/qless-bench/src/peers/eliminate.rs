@@ -5,7 +5,7 @@
 use qless::backend::{Backend, BackendError, Factor};
 use qless::{ConstraintSystem, Csr, Reduction};
 
-/// T, G and g. The slaves are the columns that the factorization finds independent.
+/// Computes T, G and g. The slaves are the columns that the factorization finds independent.
 ///
 /// # Errors
 /// Those of the backend.
@@ -45,7 +45,7 @@ fn reduction(factor: &Factor, free: &[usize], prescribed: Vec<usize>) -> Reducti
     Reduction::from_parts([slaves, masters, prescribed], t, g_matrix, g).expect("each DOF is once in the order")
 }
 
-/// DOFs in ascending order, and the former place of each.
+/// The DOFs of `order` in ascending order, and for each its place in `order`.
 fn sorted(order: &[usize], free: &[usize]) -> (Vec<usize>, Vec<usize>) {
     let mut places: Vec<usize> = (0..order.len()).collect();
     places.sort_unstable_by_key(|&place| order[place]);

@@ -15,7 +15,7 @@ pub use lapack::Lapack;
 /// The rule for entries that count as zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rule {
-    /// The library's own rule, or for LAPACK, which has none, the usual `max(m, n) eps |R_11|`.
+    /// The library's own rule. LAPACK has none and gets the usual `max(m, n) eps |R_11|`.
     Own,
     /// The tolerance of the call, absolute.
     Call,

@@ -27,7 +27,7 @@ fn scenes() -> Vec<(&'static str, Scene)> {
     ]
 }
 
-/// Row j is column j of C_f.
+/// The columns of the free DOFs of C: row j of the result is the j-th of them.
 fn free_columns(system: &ConstraintSystem) -> Csr {
     let all = system.matrix().transpose().expect("it fits");
     let mut free = Csr::empty(system.equations());

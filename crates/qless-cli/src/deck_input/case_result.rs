@@ -14,7 +14,8 @@ use crate::failure::CliFailure;
 pub struct CaseAnalysis {
     pub system: ConstraintSystem,
     pub analysis: Analysis,
-    /// The time history whose values alone conflict, if the values of all histories together do not; the system then has only its values.
+    /// The time history whose values alone conflict, if the values of all histories together do not. The system then has the values of this
+    /// history only.
     history: Option<u32>,
 }
 
@@ -63,14 +64,15 @@ impl CaseResult {
         }
     }
 
-    /// Sort key of the severity: conflicts, redundancies, claims that the solver refuses, loses, handles unsoundly, or drops.
+    /// Sort key of the severity: the numbers of conflicts, of redundancies, and of claims that the solver refuses, loses, handles unsoundly
+    /// or drops, compared in this order.
     pub fn severity(&self) -> [usize; 6] {
         let Claims { refused, implied, lost, unsound, .. } = &self.claims;
         let Counts { conflicting, redundant, .. } = self.counts;
         [conflicting, redundant, refused.len(), lost.len(), unsound.len(), implied.len()]
     }
 
-    /// `rank 12, 3 redundant, 1 conflicting`.
+    /// The counts in words, such as `rank 12, 3 redundant, 1 conflicting`.
     pub fn summary(&self) -> String {
         format!("rank {}, {} redundant, {} conflicting", self.rank, self.counts.redundant, self.counts.conflicting)
     }

@@ -2,7 +2,7 @@
 
 use qless_io::deck::{LoadCase, Model};
 
-/// Most load cases that a message names.
+/// Largest number of load cases that a message names.
 const NAMED: usize = 20;
 
 /// The load cases to analyse.
@@ -10,9 +10,9 @@ const NAMED: usize = 20;
 pub enum LoadCaseChoice {
     /// All load cases.
     All,
-    /// Any single one; an error if load cases constrain differently.
+    /// Any single load case; an error if load cases constrain differently.
     Any,
-    /// The one with this name or number.
+    /// The load case with this name or number.
     Named(String),
 }
 

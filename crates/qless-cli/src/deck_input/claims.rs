@@ -8,17 +8,17 @@ use serde::Serialize;
 /// Descriptions of claims on one DOF and of other faults, grouped by the reaction of the solver.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Claims {
-    /// The solver stops.
+    /// Claims at which the solver stops.
     pub refused: Vec<String>,
-    /// The solver drops one of the two claims; what it keeps implies the dropped claim.
+    /// Claims that the solver drops, and that follow from what it keeps.
     pub implied: Vec<DroppedClaim>,
-    /// The solver drops one of the two claims; what it keeps does not imply the dropped claim.
+    /// Claims that the solver drops, and that do not follow from what it keeps.
     pub lost: Vec<DroppedClaim>,
     /// A DOF for each motion that comes free with the lost claims.
     pub freed: Vec<String>,
-    /// The solver may continue, but its results are unreliable.
+    /// Claims with which the solver may continue, but with unreliable results.
     pub unsound: Vec<String>,
-    /// Both claims hold.
+    /// Pairs of claims that both hold.
     pub accepted: Vec<String>,
 }
 
@@ -27,12 +27,12 @@ pub struct Claims {
 pub struct DroppedClaim {
     /// The card of the dropped claim.
     pub dropped: String,
-    /// The two claims.
+    /// Both claims on the DOF, in words.
     pub claims: String,
 }
 
 impl Claims {
-    /// The claims in a load case.
+    /// Finds the claims in a load case, and the reaction of the solver.
     pub fn new(deck: &Deck, case: &LoadCase, options: &Options) -> Self {
         let (model, solver) = (deck.model(), deck.solver());
         let found = findings(model, case, solver);
@@ -80,7 +80,7 @@ impl Claims {
         self.implied.len() + self.lost.len()
     }
 
-    /// Counts of the claims that are not accepted: `2 refused, 1 lost`.
+    /// Counts of the claims that are not accepted, such as `2 refused, 1 lost`.
     pub fn summary(&self) -> Option<String> {
         let Self { refused, implied, lost, unsound, .. } = self;
         let counts =
@@ -91,14 +91,14 @@ impl Claims {
 }
 
 impl DroppedClaim {
-    /// `line 19 *BOUNDARY: 1:3 is the slave of ...`.
+    /// The dropped claim and both claims in words: `line 19 *BOUNDARY: 1:3 is the slave of ...`.
     pub fn words(&self) -> String {
         format!("{}: {}", self.dropped, self.claims)
     }
 }
 
 fn add<T: Clone + PartialEq>(all: &mut Vec<T>, more: &[T]) {
-    // Load cases usually have the same claims.
+    // Load cases usually have the same claims, so that the search for new ones can be skipped.
     if all.is_empty() {
         all.extend_from_slice(more);
     } else if all.as_slice() != more {

@@ -20,7 +20,7 @@ pub use report::DeckReport;
 
 use crate::failure::{CliFailure, say};
 
-/// Most warnings shown; JSON has all of them.
+/// Largest number of warnings shown; JSON has all of them.
 const SHOWN: usize = 5;
 
 /// A deck and the results of its load cases.
@@ -30,15 +30,15 @@ pub struct DeckInput {
     pub case: usize,
     /// The load cases that were analysed, in the deck's order.
     cases: Vec<DeckLoadCase>,
-    /// Results. Load cases with the same constraints share one result.
+    /// Results of the load cases. Load cases with the same constraints share one result.
     results: Vec<CaseResult>,
 }
 
 /// A load case that was analysed.
 struct DeckLoadCase {
-    /// Index in the model.
+    /// Index of the load case in the model.
     number: usize,
-    /// Index of its result.
+    /// Index of the result in `results`.
     result: usize,
 }
 
@@ -127,7 +127,7 @@ impl DeckInput {
         }
     }
 
-    /// `deck.inp:14: ...`.
+    /// A warning with its place: `deck.inp:14: ...`.
     fn place(&self, warning: &qless_io::deck::Warning) -> String {
         let file = self.deck.model().files()[warning.file as usize].display();
         match warning.line {

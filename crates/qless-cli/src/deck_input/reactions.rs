@@ -9,11 +9,11 @@ use super::claims::contradicting_values;
 
 /// A fault in the load case that is shown, and the solver's reaction.
 pub struct Reaction {
-    /// Its equations, as rows of the system from 0.
+    /// Equations with the fault, as rows of the system from 0.
     pub rows: Vec<usize>,
-    /// Its DOFs, as columns of the system from 0.
+    /// DOFs with the fault, as columns of the system from 0.
     pub dofs: Vec<usize>,
-    /// `1:1 is the slave of line 4 *EQUATION, and prescribed in line 2 *BOUNDARY: ccx stops`.
+    /// The fault and the reaction: `1:1 is the slave of line 4 *EQUATION, and prescribed in line 2 *BOUNDARY: ccx stops`.
     pub words: String,
 }
 

@@ -30,7 +30,7 @@ struct CaseReport<'a> {
     status: Status,
     rank: usize,
     counts: Counts,
-    /// The first load case with the same constraints, if this is another one.
+    /// Name of the first load case with the same constraints, if it is not this one.
     #[serde(skip_serializing_if = "Option::is_none")]
     same_as: Option<&'a str>,
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -50,7 +50,7 @@ impl DeckInput {
         }
     }
 
-    /// `step 1 and 4 alike: rank 12, 0 redundant, 0 conflicting; 2 refused`.
+    /// A line for the load cases that share result k: `step 1 and 4 alike: rank 12, 0 redundant, 0 conflicting; 2 refused`.
     fn row(&self, k: usize) -> String {
         let alike: Vec<&str> =
             self.cases.iter().filter(|case| case.result == k).map(|case| self.name(case.number)).collect();
@@ -77,10 +77,10 @@ impl DeckInput {
     }
 }
 
-/// Most free motions that are named; JSON has all of them.
+/// Largest number of free motions that are named; JSON has all of them.
 const FREED_SHOWN: usize = 8;
 
-/// `LOST: ccx drops 12 claims that the rest does not imply; 2 motions come free, 101:1, 104:3:`.
+/// The heading of lost claims: `LOST: ccx drops 12 claims that the rest does not imply; 2 motions come free, 101:1, 104:3:`.
 fn lost_heading(solver: Solver, claims: &Claims) -> String {
     let motions = match &claims.freed[..] {
         [] => "no motion comes free".to_owned(),

@@ -35,7 +35,7 @@ pub fn on_out_of_memory(clean: fn()) {
     system::on_abort(end_of_abort);
     let other = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
-        // Some libraries panic if an allocation fails.
+        // Some libraries panic if an allocation fails; such a panic ends the program like any lack of memory.
         if refusal::is_here() {
             end();
         }
@@ -72,7 +72,7 @@ fn end() -> ! {
     system::exit(i32::from(exit_code::RESOURCE));
 }
 
-/// Text of bounded length.
+/// Text of bounded length in a fixed buffer, so that writing it allocates nothing.
 struct OneLine {
     text: [u8; 512],
     length: usize,

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicI64, Ordering::Relaxed};
 
 use super::system;
 
-/// Allocations before the one that fails; negative if none fails.
+/// Number of allocations before the one that fails; negative if none fails.
 static REMAINING: AtomicI64 = AtomicI64::new(-1);
 
 /// Starts to count allocations.

@@ -39,9 +39,9 @@ static LIVE: AtomicIsize = AtomicIsize::new(0);
 static SINCE: AtomicUsize = AtomicUsize::new(0);
 /// Allocated bytes that were not resident, at the last 8 readings.
 static UNTOUCHED: [AtomicUsize; 8] = [const { AtomicUsize::new(0) }; 8];
-/// Number of readings.
+/// Number of readings of the resident pages.
 static READINGS: AtomicUsize = AtomicUsize::new(0);
-/// The smallest of `UNTOUCHED`.
+/// The smallest number in `UNTOUCHED`: bytes that have remained untouched for long.
 static IDLE: AtomicUsize = AtomicUsize::new(0);
 
 thread_local! {

@@ -7,10 +7,10 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use super::size::Size;
 use super::system;
 
-/// The limit that refused.
+/// The limit that refused an allocation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum By {
-    /// `--memory`.
+    /// The option `--memory`.
     Option,
     /// `ulimit -v`, which counts address space.
     AddressSpace,
@@ -73,7 +73,7 @@ impl Refusal {
 
 impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        // Must not allocate.
+        // This runs when memory has run out, so it must not allocate.
         let (needed, allowed) = (Size(self.needed()), Size(self.allowed));
         write!(f, "at least {needed}")?;
         if self.by == By::AddressSpace {

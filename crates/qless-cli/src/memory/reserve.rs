@@ -22,7 +22,7 @@ unsafe impl Sync for Room {}
 static ROOM: Room = Room(UnsafeCell::new([0; SIZE]));
 static USED: AtomicUsize = AtomicUsize::new(0);
 
-/// Zeroed bytes; null if too few remain or the alignment is above 16.
+/// Takes zeroed bytes from the reserve; null if too few remain or the alignment is above 16.
 pub fn take(layout: Layout) -> *mut u8 {
     let start = |used: usize| used.next_multiple_of(layout.align().max(1));
     let end = |used| start(used).checked_add(layout.size()).filter(|&end| end <= SIZE && layout.align() <= ALIGN);

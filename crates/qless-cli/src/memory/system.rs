@@ -94,7 +94,7 @@ pub fn tell(mut text: &[u8]) {
         let written = unsafe { libc::write(libc::STDERR_FILENO, text.as_ptr().cast(), text.len()) };
         match usize::try_from(written) {
             Ok(written) => text = &text[written.min(text.len())..],
-            // A signal came before anything was written.
+            // A signal came before anything was written, so try again.
             Err(_) if std::io::Error::last_os_error().kind() == std::io::ErrorKind::Interrupted => {}
             Err(_) => return,
         }
@@ -115,6 +115,6 @@ pub fn on_abort(handle: extern "C" fn(libc::c_int)) {
 
 /// Removes the handler of [`on_abort`].
 pub fn restore_abort() {
-    // SAFETY: as above.
+    // SAFETY: as in `on_abort`; this sets the default action.
     unsafe { libc::signal(libc::SIGABRT, libc::SIG_DFL) };
 }

@@ -15,7 +15,7 @@ const STACK: usize = 2 << 20;
 /// Bytes that a thread may take beside its stack when it begins: its alternative stack, at most 16 KiB, and one growth of the heap, 132 KiB.
 const BESIDE_STACK: usize = 256 << 10;
 
-/// Stacks may take this fraction of the address space: one eighth.
+/// Stacks may take one part in this many of the address space.
 const STACKS: usize = 8;
 
 /// Whether [`start`] was called before.
@@ -64,7 +64,7 @@ fn possible(count: usize) -> usize {
 fn waiting() -> std::io::Result<(JoinHandle<()>, Sender<()>)> {
     let (end, wait) = channel::<()>();
     let thread = begin(Builder::new(), move || {
-        // The sender sends nothing.
+        // This waits until the sender is dropped, which sends nothing.
         let _ = wait.recv();
     })?;
     Ok((thread, end))
@@ -84,7 +84,7 @@ pub fn begin(builder: Builder, work: impl FnOnce() + Send + 'static) -> std::io:
         drop(runs);
         work();
     })?;
-    // The other end is dropped without a message.
+    // This waits until the new thread drops its end, which sends nothing.
     let _ = wait.recv();
     Ok(thread)
 }

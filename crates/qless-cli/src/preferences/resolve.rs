@@ -57,7 +57,7 @@ impl<'a> NameIndex<'a> {
         Self { system, deck, rows: OnceCell::new(), columns: OnceCell::new() }
     }
 
-    /// Rows or columns from 0.
+    /// Rows or columns, from 0, that the words of a list name.
     pub fn all(&self, option: &'static str, words: &WordList, wanted: Wanted) -> Result<Vec<usize>, WordError> {
         let mut all = Vec::new();
         for word in &words.0 {
@@ -165,9 +165,9 @@ fn nearest_line(model: &Model, line: &ListedDeckLine) -> Option<u32> {
     lines.min_by_key(|found| found.abs_diff(line.line))
 }
 
-/// Most names that are compared for a suggestion, to bound the time.
+/// Largest number of names that are compared for a suggestion, to bound the time.
 const COMPARED: usize = 200_000;
-/// Smallest similarity of a suggestion.
+/// Smallest similarity of a suggested name, from 0 to 1.
 const ALIKE: f64 = 0.5;
 
 /// The name that is most similar to `word`, ignoring case.
@@ -178,13 +178,13 @@ fn nearest(word: &str, known: impl Iterator<Item = String>) -> Option<String> {
     (best.0 >= ALIKE).then_some(best.1)
 }
 
-/// `node:component`.
+/// Parses `node:component`.
 fn dof(word: &str) -> Option<Dof> {
     let (node, component) = word.split_once(':')?;
     Some(Dof { node: node.trim().parse().ok()?, component: component.trim().parse().ok()? })
 }
 
-/// `line 41`, or `part.inc:41` of an included file.
+/// A line of the deck as named in a list: `line 41`, or `part.inc:41` of an included file.
 struct ListedDeckLine {
     /// Name of an included file; `None` for the main file.
     file: Option<String>,
@@ -197,7 +197,7 @@ impl ListedDeckLine {
             return Some(Self { file: None, line: word[number.len()..].trim().parse().ok()? });
         }
         let (file, line) = word.rsplit_once(':')?;
-        // `5:3` is a DOF.
+        // `5:3` is a DOF, not line 3 of a file `5`.
         file.parse::<u32>().is_err().then_some(())?;
         Some(Self { file: Some(file.to_owned()), line: line.parse().ok()? })
     }

@@ -15,7 +15,7 @@ pub enum ListWord {
     Name(String),
 }
 
-/// Most numbers in a list; more are a typing error.
+/// Largest number of indices in a list; more are a typing error.
 const MOST: usize = 10_000_000;
 
 /// Parses a list. A quoted word may contain commas, and is always a name.

@@ -33,7 +33,7 @@ impl Rule {
         Self::Incomplete,
     ];
 
-    /// The identifier, and what it means.
+    /// The identifier of the rule, and its meaning.
     pub fn words(self) -> (&'static str, &'static str) {
         match self {
             Self::Conflicting => ("conflicting", "Equations have no solution"),
@@ -67,13 +67,13 @@ impl Rule {
 pub struct Finding {
     pub rule: Rule,
     pub message: String,
-    /// Where it is, as in a label: `line 41 *TIE 3:1`.
+    /// Place of the finding, as in a label: `line 41 *TIE 3:1`.
     pub label: String,
-    /// The equations and prescribed values that explain it.
+    /// The equations and prescribed values that explain the finding.
     pub because: Vec<String>,
 }
 
-/// Most members of an explanation that a message names.
+/// Largest number of members of an explanation that a message names.
 const NAMED: usize = 5;
 
 /// All findings of a diagnosis, in the order of [`Rule::ALL`].
@@ -97,7 +97,7 @@ pub fn findings(diagnosis: &Diagnosis, report: &Report) -> Vec<Finding> {
     all
 }
 
-/// `cure` names the repair of a conflicting row.
+/// The finding about a dependent equation. `cure` names the repair of a conflicting row.
 fn of_equation(equation: &DependentEquation, cure: &dyn Fn(usize) -> Option<String>) -> Finding {
     let name = |term: &Term| match term {
         Term::Prescribed { label, value, place, .. } => {

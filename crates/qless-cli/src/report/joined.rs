@@ -58,7 +58,8 @@ impl Joined {
         document
     }
 
-    /// `3 inputs, 1 with nothing to mend`, and a line for each other input: `  a.inp: 2 redundant equations, 5 refused claims`.
+    /// A summary of several inputs: `3 inputs, 1 with nothing to mend`, and a line for each other input,
+    /// `  a.inp: 2 redundant equations, 5 refused claims`.
     pub fn summary(inputs: &[(&Path, Vec<String>)]) -> String {
         let (good, others): (Vec<_>, Vec<_>) = inputs.iter().partition(|(_, findings)| findings.is_empty());
         let line = |(input, findings): &(&Path, Vec<String>)| {

@@ -9,7 +9,7 @@ use super::findings::{Finding, Rule, findings};
 use crate::diagnose::Diagnosis;
 use crate::failure::CliFailure;
 
-/// The document around suites.
+/// The text before the first suite, between two suites, and after the last suite.
 pub const FRAME: [&str; 3] =
     ["<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"qless\">\n", "", "</testsuites>\n"];
 

@@ -35,7 +35,7 @@ pub enum CommandOutcome<'a> {
     Written(&'a Path),
     /// `clean` wrote a deck.
     Cleaned {
-        /// The deck.
+        /// Path of the cleaned deck.
         output: &'a Path,
         /// Number of equations removed because they are redundant.
         removed: usize,
@@ -55,7 +55,8 @@ pub struct Reduced<'a> {
 }
 
 impl ReportFormat {
-    /// Limit on the terms of all explanations in a report; 0 for text, which computes only the explanations that it shows.
+    /// Limit on the terms of all explanations in a report; 0 for text, which computes only the explanations that it shows, and for VTU,
+    /// which shows none.
     pub fn terms(self) -> usize {
         if matches!(self, Self::Text | Self::Vtu) { 0 } else { Report::TERMS }
     }

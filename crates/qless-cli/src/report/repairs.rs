@@ -23,7 +23,7 @@ impl RepairWords {
         report.repairs.iter().filter_map(Self::new).collect()
     }
 
-    /// `None` if no way is known.
+    /// The repair in words; `None` if no way is known.
     pub fn new(repair: &RepairFinding) -> Option<Self> {
         let of_way = |way: &Vec<ChangeFinding>| {
             let changes: Vec<String> = way.iter().map(|one| change(one, printable::line)).collect();
@@ -34,7 +34,7 @@ impl RepairWords {
         (!ways.is_empty()).then(|| Self { rows: repair.conflicts.clone(), more, ways })
     }
 
-    /// `cure: change 4:1 from 0.5 to 0 (4 other ways cure too)`.
+    /// The first way in words, and the number of others: `cure: change 4:1 from 0.5 to 0 (4 other ways cure too)`.
     pub fn short(&self) -> String {
         let others = match self.ways.len() - 1 {
             0 => String::new(),
@@ -44,9 +44,9 @@ impl RepairWords {
         format!("cure: {}{others}", self.ways[0])
     }
 
-    /// `Each of these 5 ways cures it, and rows 52, 79:` for one of its rows.
+    /// The heading of the ways that cure `row`: `Each of these 5 ways cures it, and rows 52, 79:`.
     pub fn heading(&self, row: usize) -> String {
-        /// Most rows that are named.
+        /// Largest number of rows that are named.
         const NAMED: usize = 12;
         let these = match self.ways.len() {
             1 => "This cures it".to_owned(),

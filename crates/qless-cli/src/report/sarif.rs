@@ -66,7 +66,7 @@ fn result(diagnosis: &Diagnosis, files: &[&Path], finding: &Finding) -> Value {
     result
 }
 
-/// A file, a line if it is known, and the label as the name of the place.
+/// A location in SARIF: a file, a line if it is known, and the label as the name of the place.
 fn location((file, line): (&Path, usize), label: &str) -> Value {
     let mut physical = json!({"artifactLocation": {"uri": uri(file)}});
     if line > 0 {
@@ -102,7 +102,7 @@ fn places<'a>(files: &[&'a Path], text: &str) -> Vec<(&'a Path, usize)> {
     found.into_values().collect()
 }
 
-/// A relative or absolute reference; what a URI reserves is written in hexadecimal.
+/// A path as a relative or absolute URI; bytes that a URI reserves are written in hexadecimal.
 fn uri(path: &Path) -> String {
     let written = |&byte: &u8| match byte {
         b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' | b'/' | b'-' | b'.' | b'_' | b'~' => char::from(byte).to_string(),

@@ -86,7 +86,7 @@ fn grid(shown: &[(u32, [f64; 3], VtuCounts)]) -> String {
     )
 }
 
-/// The type of a cell of one node.
+/// The cell type of VTK for a single node.
 const VERTEX: u8 = 1;
 
 fn array(kind: &str, name: &str, components: usize, values: impl Iterator<Item = impl Display>) -> String {

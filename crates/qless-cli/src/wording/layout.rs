@@ -98,7 +98,7 @@ impl Flow {
     }
 }
 
-/// Most items shown; JSON has all of them.
+/// Largest number of items shown; JSON has all of them.
 const ITEMS_SHOWN: usize = 4;
 
 /// A heading with items, for findings other than equations.
@@ -108,13 +108,13 @@ pub struct LayoutSection {
 }
 
 impl LayoutSection {
-    /// `None` if there are no items.
+    /// A section with these items; `None` if there are no items.
     pub fn new(heading: impl Into<String>, items: Vec<String>) -> Option<Self> {
         let heading = heading.into();
         (!items.is_empty()).then_some(Self { heading, items })
     }
 
-    /// Number of lines wanted.
+    /// Number of lines that the section wants: heading, items, and one line for the items that are not shown.
     fn wanted(&self) -> usize {
         1 + self.items.len().min(ITEMS_SHOWN + 1)
     }

@@ -10,7 +10,7 @@ use qless::report::ChangeFinding;
 
 /// Labels and facts of equations, by index.
 pub trait EquationLookup {
-    /// The label, or `row 5`.
+    /// The label of the equation, or `row 5` if it has none.
     fn label(&self, row: usize) -> String;
 
     fn facts(&self, row: usize) -> EquationFacts;
@@ -20,11 +20,11 @@ pub trait EquationLookup {
 #[derive(Clone, Copy)]
 pub struct EquationFacts {
     pub rhs: f64,
-    /// Largest magnitude of its coefficients.
+    /// Largest magnitude of the coefficients of the equation.
     pub largest: f64,
     /// Number of DOFs in the equation.
     pub dofs: usize,
-    /// Number of prescribed DOFs among them.
+    /// Number of prescribed DOFs in the equation.
     pub prescribed: usize,
 }
 
@@ -49,14 +49,14 @@ fn is_prescribed(system: &ConstraintSystem, dof: usize) -> bool {
     system.prescribed().binary_search_by_key(&dof, |&(j, _)| j).is_ok()
 }
 
-/// `row 14 "tie B/C, y"`, or `row 14` without a label.
+/// The name of an equation: `row 14 "tie B/C, y"`, or `row 14` without a label.
 pub fn equation(equations: &dyn EquationLookup, row: usize) -> String {
     let number = format!("row {}", row + 1);
     let text = equations.label(row);
     if text == number { number } else { format!("{number} \"{}\"", label(&text)) }
 }
 
-/// Most columns of a label.
+/// Largest width of a label, in columns.
 const LABEL: usize = 60;
 
 /// A label without control characters, shortened if it is very long.
@@ -64,7 +64,7 @@ pub fn label(text: &str) -> String {
     shorten(&printable::line(text), LABEL)
 }
 
-/// `change 4:1 in line 17 *BOUNDARY from 0.5 to 0`; `name` makes a label fit its space.
+/// A change in words: `change 4:1 in line 17 *BOUNDARY from 0.5 to 0`. `name` makes a label fit its space.
 pub fn change(change: &ChangeFinding, name: fn(&str) -> String) -> String {
     match change {
         ChangeFinding::Prescribed { label: dof, place, from, to, .. } => {
@@ -80,7 +80,7 @@ pub fn change(change: &ChangeFinding, name: fn(&str) -> String) -> String {
     }
 }
 
-/// `1 equation`, `2 equations`.
+/// A number with its noun: `1 equation`, `2 equations`.
 pub fn count(n: usize, what: &str) -> String {
     if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") }
 }

@@ -17,7 +17,7 @@ pub fn text(text: &str) -> Cow<'_, str> {
     replace(text, |out, _| out.push('?'))
 }
 
-/// Makes a report safe, which may be JSON. Bytes that are not UTF-8 are left alone.
+/// Makes a report safe to show; it may be JSON. Bytes that are not UTF-8 are left alone.
 pub fn report(bytes: Vec<u8>, is_json: bool) -> Vec<u8> {
     let harmless = match std::str::from_utf8(&bytes) {
         Ok(found) => {
@@ -35,7 +35,7 @@ pub fn report(bytes: Vec<u8>, is_json: bool) -> Vec<u8> {
     }
 }
 
-/// The text of a label, which is one line.
+/// A label in one line, with unsafe characters replaced.
 pub fn line(label: &str) -> String {
     text(label).replace(['\n', '\t'], "?")
 }

@@ -1,24 +1,24 @@
-//! Output of a front: the contribution `[echelon | Q^T b]` to its parent, and `[R | Q^T b]` for the result.
+//! Output of a front: the contribution `[echelon | Q^T b]` to its parent, in echelon form, and `[R | Q^T b]` for the result.
 
 use crate::reflections::Reflections;
 
 /// The rows that a front passes to its parent.
 #[derive(Default)]
 pub(crate) struct Contribution {
-    /// Columns (positions), ascending.
+    /// Columns of these rows as positions in the column order, ascending.
     pub columns: Vec<u32>,
     /// For each row the index of its first column in `columns`; ascending from 0.
     pub lead: Vec<u32>,
-    /// Row of A for each row, if Q is kept.
+    /// For each row, the row of A whose number it keeps; empty if Q is not kept.
     pub names: Vec<u32>,
-    /// By columns: each column has the rows that begin at or before it. The right-hand sides follow, with all rows.
+    /// Values by columns: each column holds the rows that begin at or before it. The right-hand sides follow, with all rows.
     pub values: Vec<f64>,
 }
 
 /// The rows of R from one front. Index lists that equal those of the analysis are not stored.
 #[derive(Default)]
 pub(crate) struct FrontResult {
-    /// Rows of R.
+    /// Number of rows of R.
     pub rank: usize,
     /// The outer (not pivotal) columns of the front; `None` if they are all that the pattern allows.
     outer: Option<Vec<u32>>,
@@ -53,7 +53,7 @@ impl FrontResult {
         self.lead.as_ref().map_or(i as u32, |lead| lead[i])
     }
 
-    /// The norms stored behind the rows.
+    /// The residual norms of `count` right-hand sides, which are stored behind the rows of R.
     pub fn rest(&self, count: usize) -> &[f64] {
         if self.has_rest { &self.values[self.values.len() - count..] } else { &[] }
     }

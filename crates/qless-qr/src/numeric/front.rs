@@ -23,7 +23,7 @@ pub(super) struct Workspace<'a> {
     columns: Vec<u32>,
     stair: Vec<u32>,
     next: Vec<u32>,
-    /// Row of A for each row of the front, if Q is kept.
+    /// For each row of the front, the row of A whose number it keeps; used only if Q is kept.
     names: Vec<u32>,
     values: Vec<f64>,
     work: ReflectionBuffers,
@@ -75,7 +75,7 @@ impl<'a> Workspace<'a> {
     }
 }
 
-/// The bytes that the ledger holds for a child.
+/// The bytes that the memory ledger counts for a child's contribution.
 fn held(child: &Contribution) -> usize {
     8 * child.values.len() + 4 * (child.columns.len() + child.lead.len() + child.names.len())
 }

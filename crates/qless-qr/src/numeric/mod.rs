@@ -1,4 +1,4 @@
-//! Numeric factorization: values to R and `Q^T B`, front by front.
+//! Numeric factorization: computes R and `Q^T B` from the values, front by front.
 
 mod contribution;
 mod front;
@@ -52,7 +52,7 @@ impl Symbolic {
 #[derive(Clone, Copy)]
 pub(crate) struct FactorInput<'a> {
     pub values: &'a [f64],
-    /// B, m x k by columns.
+    /// The right-hand sides B, m x k by columns.
     pub rhs: &'a [f64],
     pub count: usize,
     pub tolerance: f64,
@@ -133,7 +133,7 @@ impl MemoryLedger {
 }
 
 impl Tolerance {
-    /// The tolerance as a 2-norm for a matrix with these values; infinite if it overflows.
+    /// The tolerance as a limit for 2-norms of columns, for a matrix with these values; infinite if it overflows.
     pub(crate) fn distance(self, symbolic: &Symbolic, values: &[f64]) -> Result<f64, Error> {
         let factor = match self {
             Self::Absolute(distance) => return valid_tolerance(distance),
@@ -148,7 +148,7 @@ fn valid_tolerance(distance: f64) -> Result<f64, Error> {
     if distance.is_nan() || distance < 0.0 { Err(Error::Tolerance(distance)) } else { Ok(distance) }
 }
 
-/// `max_j |a_j|`, at most [`f64::MAX`].
+/// The largest 2-norm `|a_j|` of a column, at most [`f64::MAX`].
 fn largest_column(symbolic: &Symbolic, values: &[f64]) -> f64 {
     let mut square = vec![0.0; symbolic.cols];
     for (&column, &entry) in symbolic.pattern.index.iter().zip(&symbolic.entry) {

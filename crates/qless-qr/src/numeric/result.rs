@@ -120,7 +120,7 @@ impl FactorBuilder<'_> {
         self.r.start.push(self.r.col.len());
     }
 
-    /// Adds peeled row i: it is a row of A.
+    /// Adds row i of R, which peeling took unchanged from A.
     fn peeled(&mut self, i: usize) {
         let symbolic = self.symbolic;
         let range = symbolic.pattern.start[i]..symbolic.pattern.start[i + 1];

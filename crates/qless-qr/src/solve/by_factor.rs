@@ -69,7 +69,7 @@ impl Factor {
         all_finite(x)
     }
 
-    /// `P [R1^{-1} z; 0]`; z is the first r of every `stride` numbers.
+    /// The basic solutions `P [R1^{-1} z; 0]` from the factors `A P = Q [R1 R2; 0 0]`; z is the first r of every `stride` numbers.
     pub(super) fn spread(&self, z: &[f64], stride: usize, count: usize) -> Result<Vec<f64>, Error> {
         let (n, r) = (self.cols(), self.rank());
         let mut x = vec![0.0; n * count];

@@ -26,13 +26,13 @@ use crate::{Error, Factor, Index, Matrix, Options};
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Solution {
-    /// X, n x k by columns.
+    /// The solutions X, n x k by columns.
     pub x: Vec<f64>,
     /// `|A x - b|` for each right-hand side.
     pub residuals: Vec<f64>,
     /// Numerical rank of A.
     pub rank: usize,
-    /// The tolerance as a 2-norm.
+    /// Tolerance for dependent columns, as a 2-norm.
     pub tolerance: f64,
 }
 
@@ -93,7 +93,7 @@ fn finished<P: Index, I: Index>(a: &Matrix<P, I>, b: &[f64], x: Vec<f64>, factor
     Ok(Solution { x: all_finite(x)?, residuals, rank, tolerance })
 }
 
-/// The vectors of this length, followed by empty ones without end.
+/// The consecutive vectors of this length in x; after the last one, empty vectors follow without end.
 fn each(x: &[f64], length: usize) -> impl Iterator<Item = &[f64]> {
     (0..).map(move |c| x.get(c * length..(c + 1) * length).unwrap_or_default())
 }

@@ -30,12 +30,14 @@ impl<P: Index, I: Index> Matrix<'_, P, I> {
     }
 }
 
-/// AMD is tried first if the strictly lower part of `S^T S` has at most this many times the entries of S: then AMD is faster than COLAMD.
+/// AMD is tried first if the strictly lower part of `S^T S` has at most this many times the entries of S, the matrix without peeled rows
+/// and columns: then AMD is faster than COLAMD.
 const PRODUCT: usize = 5;
-/// COLAMD is tried too if the order of AMD needs more than this many operations for each entry of S.
+/// COLAMD is tried too if the order of AMD needs more than this many operations for each entry of the matrix without peeled rows and
+/// columns.
 const WORTH: f64 = 2e4;
 
-/// The analysis. Only entries of A that `may` accepts become peeled diagonal entries.
+/// Analyses the pattern. A column is peeled only if `may` accepts its remaining entry.
 pub(crate) fn analyse(row_count: usize, columns: &Lists, may: &dyn Fn(usize) -> bool) -> Result<Symbolic, Error> {
     let rows = columns.transposed(row_count);
     let peeled = peel(columns, &rows, may);

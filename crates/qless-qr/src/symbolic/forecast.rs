@@ -17,15 +17,15 @@ use crate::staircase::{PANEL, TASK};
 /// Sizes of one front.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct FrontShape {
-    /// Assembled rows.
+    /// Number of assembled rows.
     pub rows: usize,
-    /// Columns, pivotal ones included.
+    /// Number of columns, pivotal ones included.
     pub cols: usize,
-    /// Rows of R.
+    /// Number of rows of R from this front.
     pub rank: usize,
-    /// Entries of the rows of R.
+    /// Number of entries of these rows of R.
     pub entries: usize,
-    /// Rows, columns and entries of the contribution to the parent.
+    /// Numbers of rows, columns and entries of the contribution to the parent.
     pub passed_rows: usize,
     pub passed_cols: usize,
     pub passed_entries: usize,
@@ -39,11 +39,11 @@ pub(crate) struct FrontShape {
 pub(crate) struct Forecast {
     pub shapes: Vec<FrontShape>,
     pub flops: Vec<f64>,
-    /// Work of each subtree.
+    /// Work of the subtree below each front, the front included.
     pub work: Vec<f64>,
     /// Operations on the longest path from a leaf to a root, which no number of threads shortens.
     pub span: f64,
-    /// Entries of R, including peeled rows.
+    /// Number of entries of R, including peeled rows.
     pub entries: usize,
 }
 
@@ -72,7 +72,7 @@ fn summed(fronts: &Fronts, flops: &[f64], shapes: &[FrontShape]) -> Vec<f64> {
     work
 }
 
-/// The sum along the longest path from a leaf to a root.
+/// The sum of the numbers of fronts along the longest path from a leaf to a root.
 fn longest(fronts: &Fronts, mut serial: Vec<f64>) -> f64 {
     let mut below = vec![0.0_f64; serial.len()];
     for f in 0..fronts.len() {

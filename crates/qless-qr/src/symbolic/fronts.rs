@@ -7,9 +7,9 @@
 use super::tree::first_descendants;
 use crate::lists::{Lists, NONE};
 
-/// (pivotal columns, largest share of zeros) of merged fronts up to that size.
+/// Pairs (number of pivotal columns, largest share of zeros) for merged fronts of up to that number of pivotal columns.
 const RELAXED: [(usize, f64); 3] = [(8, 0.8), (24, 0.25), (64, 0.1)];
-/// Largest share of zeros of larger merged fronts.
+/// Largest share of zeros for merged fronts with even more pivotal columns.
 const SHARE: f64 = 0.05;
 /// Merged fronts with at most this many pivotal columns may have any number of zeros.
 const TINY: usize = 4;

@@ -56,14 +56,14 @@ impl Symbolic {
         self.forecast.flops.iter().fold(0.0, |sum, flops| sum + flops)
     }
 
-    /// Bound of the speed-up on this many threads: `min(threads, W / S)`. W are all operations; S are those on the longest path from a leaf
-    /// of the tree of fronts to its root, for large fronts only those that cannot run in parallel.
+    /// Upper bound for the speed-up on this many threads: `min(threads, W / S)`. W are all operations; S are those on the longest path from
+    /// a leaf of the tree of fronts to its root, for large fronts only those that cannot run in parallel.
     pub fn speedup(&self, threads: usize) -> f64 {
         let bound = self.flops() / self.forecast.span;
         if bound < threads as f64 { bound } else { threads as f64 }
     }
 
-    /// Entries of `[R1 R2]` if no column is dependent, including the zeros of merged fronts.
+    /// Number of entries of `[R1 R2]` if no column is dependent, including the zeros of merged fronts.
     pub fn entries(&self) -> usize {
         self.forecast.entries
     }

@@ -1,4 +1,4 @@
-//! Column order with little fill in R: COLAMD of S or AMD of `S^T S`, both from faer.
+//! Column order with little fill in R: COLAMD of S or AMD of `S^T S`, both from faer, where S is A without its peeled rows and columns.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
@@ -7,7 +7,7 @@ use faer::sparse::linalg::{amd, colamd};
 use crate::Error;
 use crate::lists::Lists;
 
-/// COLAMD of S: the column at each position.
+/// Column order by COLAMD of S, the matrix without peeled rows and columns: the column at each position.
 pub(super) fn colamd(rows: usize, columns: &Lists) -> Result<Vec<u32>, Error> {
     let n = columns.len();
     if rows == 0 || columns.index.is_empty() {
@@ -22,7 +22,8 @@ pub(super) fn colamd(rows: usize, columns: &Lists) -> Result<Vec<u32>, Error> {
     Ok(order)
 }
 
-/// AMD of `S^T S`; `None` if its strictly lower part has more than `most` entries.
+/// Column order by AMD of `S^T S`, where S is the matrix without peeled rows and columns; `None` if the strictly lower part of `S^T S` has
+/// more than `most` entries.
 pub(super) fn amd(columns: &Lists, rows: &Lists, most: usize) -> Result<Option<Vec<u32>>, Error> {
     let Some(product) = product(columns, rows, most) else { return Ok(None) };
     let n = columns.len();
@@ -38,7 +39,7 @@ pub(super) fn amd(columns: &Lists, rows: &Lists, most: usize) -> Result<Option<V
     Ok(Some(order))
 }
 
-/// The strictly lower part of `S^T S` by columns; the transposition sorts the rows.
+/// The strictly lower part of `S^T S` by columns, for the matrix S with these columns and rows; the transposition sorts the rows.
 fn product(columns: &Lists, rows: &Lists, most: usize) -> Option<Lists> {
     let mut upper = Lists::new();
     let mut seen = vec![u32::MAX; columns.len()];

@@ -37,11 +37,11 @@ pub(super) fn peel(columns: &Lists, rows: &Lists, may: &dyn Fn(usize) -> bool) -
 
 /// S, the matrix without its peeled rows and columns.
 pub(super) struct UnpeeledMatrix {
-    /// Rows of S.
+    /// Number of rows of S.
     pub rows: usize,
-    /// Columns of S, with renumbered rows.
+    /// Pattern of S by columns, with renumbered rows.
     pub columns: Lists,
-    /// Column of A for each column of S.
+    /// For each column of S, the same column of A.
     column: Vec<u32>,
     /// Columns of A whose entries all lie in peeled rows; the pattern alone makes them dependent.
     void: Vec<u32>,
@@ -74,7 +74,8 @@ impl UnpeeledMatrix {
         Self { rows: count as usize, columns: remaining, column, void }
     }
 
-    /// The analysis for a column order of S. The columns are then sorted into a postorder of their tree.
+    /// The analysis for a column order of S, the matrix without peeled rows and columns. The columns are then sorted into a postorder of
+    /// their elimination tree.
     pub fn symbolic(&self, columns: &Lists, row_count: usize, peeled: &[(u32, u32)], order: &[u32]) -> Symbolic {
         let parent = tree::parents(&self.columns, self.rows, order);
         let post = tree::postorder(&parent);
@@ -125,7 +126,7 @@ impl Permuted {
         Self { row_order, pattern: Lists { start, index }, entry }
     }
 
-    /// Rows of S, with columns counted from the first that was not peeled.
+    /// Rows of S, the matrix without peeled rows and columns; its columns are counted from the first that was not peeled.
     pub fn rest(&self, peeled: usize) -> Lists {
         let from = self.pattern.start[peeled];
         let start: Vec<usize> = self.pattern.start[peeled..].iter().map(|at| at - from).collect();
@@ -147,7 +148,7 @@ impl Permuted {
     }
 }
 
-/// Peeled rows, then the others by first column, empty rows last.
+/// The order of the rows: peeled rows, then the others by first column, empty rows last.
 fn row_order(columns: &Lists, row_count: usize, peeled: &[(u32, u32)], order: &[u32]) -> Vec<u32> {
     let mut seen = vec![false; row_count];
     let mut row_order: Vec<u32> = peeled.iter().map(|&(_, row)| row).collect();

@@ -10,7 +10,7 @@
 
 use crate::lists::{Lists, NONE};
 
-/// Parent of each position, for columns eliminated in `order`.
+/// Parent of each position in the column elimination tree, for columns eliminated in `order`.
 pub(super) fn parents(columns: &Lists, row_count: usize, order: &[u32]) -> Vec<u32> {
     let mut parent = vec![NONE; order.len()];
     let mut shortcut = vec![NONE; order.len()];
@@ -71,7 +71,7 @@ pub(super) fn renumbered(parent: &[u32], post: &[u32]) -> Vec<u32> {
     post.iter().map(|&node| parent[node as usize]).map(|p| if p == NONE { NONE } else { new[p as usize] }).collect()
 }
 
-/// c_j for all j. `rows` must be sorted by first column, each row ascending; empty rows may be anywhere.
+/// The number of entries in each row of R. `rows` must be sorted by first column, each row ascending; empty rows may be anywhere.
 pub(super) fn row_counts(parent: &[u32], rows: &Lists) -> Vec<u32> {
     let mut counter = ColumnCounter::new(parent);
     let mut row = 0;
@@ -92,7 +92,7 @@ struct ColumnCounter<'a> {
     parent: &'a [u32],
     first: Vec<u32>,
     delta: Vec<i64>,
-    /// Last leaf of the union of paths to each column.
+    /// For each column, the last leaf of the union of the tree paths to it.
     leaf: Vec<u32>,
     /// Union-find by path compression: processed nodes point to their first unprocessed ancestor.
     set: Vec<u32>,
@@ -105,14 +105,14 @@ impl<'a> ColumnCounter<'a> {
         Self { parent, first, delta, leaf: vec![NONE; parent.len()], set: (0..parent.len() as u32).collect() }
     }
 
-    /// Ends all paths to j: they do not count above j.
+    /// Ends all tree paths to j: they do not count above j.
     fn end_path(&mut self, j: u32) {
         if self.parent[j as usize] != NONE {
             self.delta[self.parent[j as usize] as usize] -= 1;
         }
     }
 
-    /// Adds the path from j to k, unless a path from a descendant of j contains it.
+    /// Adds the tree path from j to k, unless a path from a descendant of j contains it.
     fn path(&mut self, j: u32, k: u32) {
         let before = self.leaf[k as usize];
         if before != NONE && before >= self.first[j as usize] {

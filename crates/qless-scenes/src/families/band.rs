@@ -6,7 +6,8 @@ use super::MOST;
 use crate::error::within;
 use crate::{Rng, Scene, SceneError, Truth};
 
-/// Rows of a window. At most one of the first [`FIRST`] rows has a changed coefficient, so changed rows are at least 9 rows apart.
+/// Number of rows of a window. Only one of the first [`FIRST`] rows of a window may have a changed coefficient, so changed rows are at
+/// least 9 rows apart.
 const WINDOW: usize = 16;
 const FIRST: usize = 8;
 

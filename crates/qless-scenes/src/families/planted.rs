@@ -33,7 +33,7 @@ pub fn planted(rows: usize, dofs: usize, combos: usize, seed: u64, conflict: boo
     Planted { rows, dofs, combos, terms: 5, conflict }.scene(seed)
 }
 
-/// Terms by DOF and right-hand side.
+/// Terms by DOF, and the right-hand side.
 type PlantedEquation = (BTreeMap<usize, f64>, f64);
 
 impl Planted {

@@ -1,4 +1,4 @@
-//! Periodicity of a cube, `u(x + L e_d) - u(x) - E_d = 0` for all nodes of all three pairs of faces.
+//! Periodicity of a cube of size L, `u(x + L e_d) - u(x) - E_d = 0` for all nodes of all three pairs of faces; E_d are DOFs too.
 
 use qless::SystemBuilder;
 

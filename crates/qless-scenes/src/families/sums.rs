@@ -4,7 +4,7 @@ use qless::SystemBuilder;
 
 use crate::Rng;
 
-/// An equation's `(DOF, coefficient)`.
+/// Terms of an equation: pairs `(DOF, coefficient)`.
 pub(super) type Terms = Vec<(usize, f64)>;
 
 /// Adds equations that are sums of two random rows among `0..count`. Pairs without a common DOF are preferred, because their sum is exact.

@@ -109,7 +109,7 @@ fn without_nesting(columns: usize, far: usize) -> usize {
     (far.max(3)..=columns.saturating_add(1)).find(|far| !(columns - 1).is_multiple_of(far - 1)).unwrap_or(far)
 }
 
-/// A mesh refinement level of the paper's Table 1, in percent of its reference mesh.
+/// A level of mesh refinement in the paper's Table 1, in percent of the reference mesh.
 ///
 /// | level | equations | redundant | DOFs that occur (ties) | columns, layers | far | rings x sectors | wall |
 /// | --- | --- | --- | --- | --- | --- | --- | --- |
@@ -125,19 +125,19 @@ fn without_nesting(columns: usize, far: usize) -> usize {
 /// total, for about three quarters of the equations on the sides and 1.5 DOFs per equation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
-    /// 50 %, the coarsest.
+    /// 50 % of the reference mesh, the coarsest level.
     P50,
-    /// 60 %.
+    /// 60 % of the reference mesh.
     P60,
-    /// 70 %.
+    /// 70 % of the reference mesh.
     P70,
-    /// 80 %.
+    /// 80 % of the reference mesh.
     P80,
-    /// 90 %.
+    /// 90 % of the reference mesh.
     P90,
     /// 100 %, the reference mesh.
     P100,
-    /// 110 %, the finest.
+    /// 110 % of the reference mesh, the finest level.
     P110,
 }
 
@@ -150,12 +150,12 @@ impl Level {
         50 + 10 * self as usize
     }
 
-    /// Table 1's "No. of given constraints".
+    /// Number of equations of the level, "No. of given constraints" in the paper's Table 1.
     pub fn equations(self) -> usize {
         [7580, 10_300, 13_808, 17_408, 22_360, 26_888, 31_832][self as usize]
     }
 
-    /// Table 1's "No. of consistent over-constraints".
+    /// Number of redundant equations of the level, "No. of consistent over-constraints" in the paper's Table 1.
     pub fn redundant(self) -> usize {
         [168, 192, 216, 240, 276, 288, 300][self as usize]
     }

@@ -14,7 +14,7 @@ pub(super) enum FssiMesh {
     Top,
     /// Far-field soil, sides: `4 (far_columns - 1)` nodes around the box times `far_layers` nodes downwards.
     Far,
-    /// Tank: `rings` of the foundation and `wall - 1` more, each of `sectors` nodes.
+    /// Tank: `rings` rings of the foundation and `wall - 1` rings more, each of `sectors` nodes.
     Tank,
     /// Fluid at the wall: `wall x sectors` nodes.
     Fluid,
@@ -25,9 +25,9 @@ const UNSEEN: u32 = u32::MAX;
 /// The equations so far, with DOFs in order of first occurrence.
 pub(super) struct FssiModel {
     pub(super) mesh: Mesh,
-    /// Scene node of each node of a mesh; [`UNSEEN`] before it occurs.
+    /// Scene node of each node of each mesh; [`UNSEEN`] before it occurs.
     node: [Vec<u32>; 5],
-    /// DOFs of each node of a mesh, by component; [`UNSEEN`] before they occur.
+    /// DOFs of each node of each mesh, by component; [`UNSEEN`] before they occur.
     dof: [Vec<[u32; 4]>; 5],
     nodes: Vec<[f64; 3]>,
     dofs: Vec<Dof>,
@@ -66,7 +66,7 @@ impl FssiModel {
         around(self.mesh.far_columns, face, i) + layer * 4 * (self.mesh.far_columns - 1)
     }
 
-    /// Adds `sum a u = 0` over `(mesh, node, component, a)` without the zero coefficients.
+    /// Adds the equation `sum a u = 0` over `(mesh, node, component, a)` without the zero coefficients.
     pub(super) fn equation(
         &mut self,
         label: String,

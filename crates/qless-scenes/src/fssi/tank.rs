@@ -4,7 +4,7 @@ use super::geometry;
 use super::model::{FssiMesh, FssiModel};
 use crate::Component;
 
-/// The tank's equations: base ties, then fluid wall.
+/// Adds the tank's equations: base ties, then fluid wall.
 pub(super) fn couple(model: &mut FssiModel) {
     let mesh = model.mesh;
     for (ring, sector) in (0..mesh.rings).flat_map(|ring| (0..mesh.sectors).map(move |k| (ring, k))) {

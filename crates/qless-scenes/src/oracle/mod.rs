@@ -26,9 +26,9 @@ pub enum OracleError {
     /// The matrix is too large for a dense decomposition.
     #[error("the matrix has {found} entries including zeros; the singular value decomposition takes at most {most}")]
     TooLarge {
-        /// Rows times columns.
+        /// Number of entries, rows times columns.
         found: usize,
-        /// The limit.
+        /// Largest number of entries that is allowed.
         most: usize,
     },
     /// The decomposition does not converge. No finite matrix is known to cause this.

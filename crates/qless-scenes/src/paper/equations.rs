@@ -1,4 +1,4 @@
-//! Equations (12)-(14) and Figures 2, 5 and 6.
+//! Equations (12)-(14) and Figures 2, 5 and 6 of the paper.
 
 use qless::SystemBuilder;
 

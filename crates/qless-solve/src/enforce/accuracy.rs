@@ -1,30 +1,31 @@
 //! Relative errors of u, in dimensionless numbers. Each DOF is compared with a reference:
 //!
 //! ```text
-//! known unit        the largest DOF with a known unit, or the largest displacement that a load would cause on the stiffness of its DOF
+//! known unit        the largest of these DOFs, or the largest displacement that a load would cause on the stiffness of its DOF
 //! no known unit     the DOF itself
 //! rounding only     the terms of its equations, max_r (|C| |u| + |b|)_r / |C_rj|; if they are rounding as well, those of its forces
 //! ```
 //!
-//! Rounding of a solution is estimated by random errors of the terms, e being the share by which terms are wrong:
+//! Random errors of the terms estimate the rounding y of a solution x; e is their relative size, and M^-1 the computed inverse:
 //!
 //! ```text
 //! y = M^-1 (r (|b - A x| + e (|A| |x| + |b|)))        random r in +-[1/2, 1]
 //! ```
 //!
 //! The error of the DOFs with known units is the larger of y and `e g` times their reference, where g is the growth of rounding. The growth
-//! describes all unknowns together; if dimensionless multipliers are far larger than u, their rounding is a larger fraction of u, which y
-//! shows. Cost: one solve, and a few more if units are unknown.
+//! describes all unknowns together. If dimensionless multipliers are far larger than u, their rounding is a larger fraction of u; only y
+//! shows this. Cost: one solve, and a few more if units are unknown.
 
 use super::equations::{Equations, Solve};
 use super::matrix::entries;
 use super::part::EnforcedPart;
 use crate::common::{ENTRY_ROUNDING, RandomForces};
 
-/// Random solves if a DOF has no known unit: the largest of so many random errors of one DOF is seldom far below the largest possible.
+/// Number of random solves if a DOF has no known unit. The largest of so many random errors of a DOF is seldom far below the largest
+/// possible error.
 const TRIALS: usize = 4;
 
-/// The rounding of one solution, and the references of its DOFs.
+/// Estimated rounding errors of the DOFs of one solution, and the references that these errors are compared with.
 pub struct DisplacementErrors {
     known: Vec<bool>,
     rounding: Vec<f64>,
@@ -32,7 +33,7 @@ pub struct DisplacementErrors {
 }
 
 impl DisplacementErrors {
-    /// The errors of the solution x, given M^-1 and the growth of rounding; none if a solve fails.
+    /// Estimates the errors of the solution x from the growth of rounding; `solve` applies the computed inverse. None if a solve fails.
     pub fn new(
         part: &EnforcedPart,
         model: &Equations,
@@ -42,7 +43,7 @@ impl DisplacementErrors {
         let known = model.known[..part.dofs.len()].to_vec();
         let mut errors = Self { known, rounding: Vec::new(), references: Vec::new() };
         let mut sizes = errors.levelled(x.iter().copied());
-        // Without any stiffness there is no unit of energy, and loads do not count.
+        // Without any stiffness there is no unit of energy: loads then give no reference displacement.
         if part.k.val().iter().any(|v| *v != 0.0) {
             let loads = errors.known.iter().zip(&part.rhs.0).map(|(known, f)| if *known { *f } else { 0.0 });
             let loads = errors.levelled(loads);
@@ -64,36 +65,37 @@ impl DisplacementErrors {
         Some(errors)
     }
 
-    /// Sizes of DOFs, or of others in their place if they are rounding.
+    /// The reference of each DOF: its size. A size that is only rounding is replaced by the terms of the DOF's rows, divided by its
+    /// coefficient there.
     fn referenced(&self, mut sizes: Vec<f64>, model: &Equations, terms: &[f64]) -> Vec<f64> {
         let n = sizes.len();
         let is_zero: Vec<bool> = sizes.iter().zip(&self.rounding).map(|(size, rounding)| size <= rounding).collect();
         for of_forces in [false, true] {
             for (i, j, v) in entries(&model.a).filter(|&(i, j, v)| j < n && (i < n) == of_forces && v != 0.0) {
                 let term = terms[i] / v.abs();
-                // Terms of forces count only if those of equations are rounding as well.
+                // Terms of the force rows count only if those of the constraint rows are rounding as well.
                 if is_zero[j] && term > self.rounding[j] && (!of_forces || sizes[j] <= self.rounding[j]) {
                     sizes[j] = sizes[j].max(term);
                 }
             }
         }
         let sizes = self.levelled(sizes.into_iter());
-        // Without any scale of its own, a DOF is compared with the largest one.
+        // A DOF without any reference is compared with the largest reference.
         let top = sizes.iter().copied().fold(0.0, f64::max);
         sizes.into_iter().map(|size| if size > 0.0 { size } else { top }).collect()
     }
 
-    /// `|a - b|` of the DOF where it is largest, relative to its reference.
+    /// Largest difference `|a_j - b_j|` of a DOF, relative to the reference of the DOF.
     pub fn between(&self, a: &[f64], b: &[f64]) -> f64 {
         self.relative(&self.levelled(a.iter().zip(b).map(|(a, b)| a - b)))
     }
 
-    /// Relative error of u by rounding, of the DOF where it is largest.
+    /// Largest relative error of a DOF by rounding; at least the rounding of one matrix entry.
     pub fn share(&self) -> f64 {
         self.relative(&self.rounding).max(ENTRY_ROUNDING)
     }
 
-    /// The largest ratio to a reference; NaN counts as infinite.
+    /// The largest ratio of a DOF's size to its reference; NaN counts as infinite.
     fn relative(&self, sizes: &[f64]) -> f64 {
         let shares = sizes.iter().zip(&self.references).filter(|(size, _)| **size != 0.0);
         shares.fold(0.0, |most: f64, (size, reference)| {
@@ -102,7 +104,7 @@ impl DisplacementErrors {
         })
     }
 
-    /// Absolute values of the DOFs, those with known units being as large as the largest one.
+    /// Absolute values of the DOFs; every DOF with a known unit gets the largest value of these DOFs.
     fn levelled(&self, values: impl Iterator<Item = f64>) -> Vec<f64> {
         let pairs: Vec<_> = values.zip(&self.known).collect();
         let largest = pairs.iter().filter(|(_, known)| **known).fold(0.0, |most: f64, (v, _)| most.max(v.abs()));

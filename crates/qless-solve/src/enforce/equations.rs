@@ -1,41 +1,44 @@
-//! `A x = b` in dimensionless numbers ([`super::scale`]), the sizes of its terms, and iterative refinement.
+//! Stores `A x = b` in dimensionless numbers ([`super::scale`]) with the sizes of its terms, and refines its solutions.
 //!
 //! The residual `|A x - b|_i` is measured by its terms `(|A| |x| + |b|)_i`, row by row. If all terms of a row are rounding of larger
-//! unknowns elsewhere, the row cannot satisfy this measure. Its terms therefore count as at least [`FLOOR`] times what they would be if
-//! every unknown of its connected part were as large as the largest one. Cost of one residual: three passes over the entries.
+//! unknowns elsewhere, the row cannot satisfy this measure. Its terms therefore count as at least a fraction ([`FLOOR`] or less) of what
+//! they would be if every unknown of its connected part were as large as the largest one. Cost of one residual: three passes over the
+//! entries.
 
 use super::EnforceError;
 use super::matrix::entries;
 use crate::common::{ENTRY_ROUNDING, SparseMatrix, times};
 
-/// Relative errors up to this size are rounding: those of an entry, and of the few products that it takes part in.
+/// A relative error up to this size counts as rounding: that of an entry, and of the few products that the entry takes part in.
 pub const ROUNDING: f64 = 4.0 * ENTRY_ROUNDING;
-/// The largest relative residual that a row may have: a million times rounding, so that sums of many terms reach it.
+/// The largest relative residual that a row may have: half a million machine epsilons, so that sums of many terms can reach it.
 pub const BALANCED: f64 = 1e-10;
-/// Floor for the terms of a row, relative to the largest of its part: `BALANCED FLOOR` is rounding of a sum of hundreds of terms.
+/// Floor for the terms of a row, relative to the largest terms of its part. A residual of `BALANCED FLOOR` of the largest terms is the
+/// rounding of a sum of hundreds of terms.
 pub const FLOOR: f64 = 1e-3;
-/// Most solves: corrections by a fraction of 0.8 reach [`BALANCED`] from any start, and slower ones are not worth their cost.
+/// Largest number of solves in a refinement. Corrections that shrink by a factor of 0.8 reach [`BALANCED`] within it from any start; slower
+/// ones are not worth their cost.
 const SOLVES: usize = 200;
 
-/// `M^-1 r`, where M is A up to rounding.
+/// A function that computes `M^-1 r`, where M approximates A.
 pub type Solve<'a> = dyn FnMut(&[f64]) -> Result<Vec<f64>, EnforceError> + 'a;
 
-/// A square matrix that knows the sizes of its terms.
+/// A square matrix A, with the sizes of its terms and the limits for residuals.
 #[derive(Debug)]
 pub struct Equations {
     pub a: SparseMatrix,
     /// For each entry of A the size of the terms that it was summed from; `0.1 + 0.2 - 0.3` has the size 0.6.
     pub sizes: Vec<f64>,
-    /// The connected part of each unknown, given by one of its members.
+    /// For each unknown, one unknown that identifies its connected part.
     pub parts: Vec<usize>,
     /// Whether the size of an unknown can be compared with those of others ([`super::scale::known_units`]).
     pub known: Vec<bool>,
-    /// For each row the floor for its terms, relative to the largest, and the largest relative residual allowed.
+    /// For each row, the floor for its terms relative to the largest terms of its part, and the largest relative residual allowed.
     pub limits: Vec<(f64, f64)>,
 }
 
 impl Equations {
-    /// A connected system whose entries are no sums.
+    /// A system of one connected part; each entry of A counts as one term, not as a sum.
     pub fn connected(a: SparseMatrix, known: Vec<bool>, limits: Vec<(f64, f64)>) -> Self {
         let sizes = a.val().iter().map(|v| v.abs()).collect();
         Self { sizes, parts: vec![0; a.nrows()], a, known, limits }
@@ -56,8 +59,8 @@ impl Equations {
         y
     }
 
-    /// The sizes of the terms of A x, and their floor: the sizes if every unknown were as large as the largest of its part. An unknown that
-    /// cannot be compared counts as the largest size at which its term alone equals the terms of a row.
+    /// For each row, the size of its terms `|A| |x| + |b|`, and their floor: `|A| |x|` if every unknown were as large as the largest of its
+    /// part. An unknown without a known unit counts with the largest size at which its term alone equals the terms of a row.
     fn sizes_and_floor(&self, x: &[f64], b: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let size: Vec<f64> = self.size(x).iter().zip(b).map(|(ax, b)| ax + b).collect();
         let of_known: Vec<f64> = x.iter().zip(&self.known).map(|(x, known)| if *known { *x } else { 0.0 }).collect();
@@ -98,7 +101,7 @@ impl Equations {
         Ok(best)
     }
 
-    /// `b - A x`, and x with its worst row.
+    /// The residual `b - A x`, and x with the row whose residual is largest relative to its limit.
     fn measured(&self, x: Vec<f64>, b: (&[f64], &[f64])) -> (Vec<f64>, Refined) {
         let residual: Vec<f64> = b.0.iter().zip(self.apply(&x)).map(|(b, ax)| b - ax).collect();
         let (size, floor) = self.sizes_and_floor(&x, b.1);
@@ -116,11 +119,11 @@ impl Equations {
     }
 }
 
-/// x, and the row with the largest residual relative to its limit.
+/// A solution x, and the row whose residual is largest relative to its limit.
 #[derive(Clone, Debug)]
 pub struct Refined {
     pub x: Vec<f64>,
-    /// Index of that row, and its relative residual.
+    /// The row whose residual is largest relative to its limit; `imbalance` is that residual relative to the terms of the row.
     pub row: usize,
     pub imbalance: f64,
     /// The largest residual relative to its limit; at most 1 is allowed.

@@ -12,25 +12,25 @@ pub enum EnforceError {
     /// The size of K or f does not match the constraints.
     #[error("there are {found} {what}, but the constraints are on {dofs} DOFs")]
     Size {
-        /// The list that does not match.
+        /// Name of what has the wrong size: the rows or columns of K, or the loads.
         what: &'static str,
-        /// How many there are.
+        /// Size that was found.
         found: usize,
-        /// How many there should be.
+        /// Size that is required, the number of DOFs.
         dofs: usize,
     },
     /// A number of K or f is not finite.
     #[error("K or f contains {value}; every number must be finite")]
     NotFinite {
-        /// The number.
+        /// The first number that is not finite.
         value: f64,
     },
     /// Equations contradict others.
     #[error("conflicting equations: {}; each contradicts the equations that it depends on", .labels.join(" and "))]
     Conflict {
-        /// The equations, 0-based.
+        /// Indices of the conflicting equations, from 0.
         rows: Vec<usize>,
-        /// Their labels.
+        /// Labels of the conflicting equations.
         labels: Vec<String>,
     },
     /// The analysis cannot tell whether an equation is redundant, and u does not satisfy it.
@@ -39,19 +39,19 @@ pub enum EnforceError {
          coefficients with all digits, choose units of similar size for its DOFs, or remove it"
     )]
     Doubtful {
-        /// The equation, 0-based.
+        /// Index of the equation that may be redundant, from 0.
         row: usize,
-        /// Its label.
+        /// Label of the equation that may be redundant.
         label: String,
-        /// Residual of the equation if the others hold, relative to its terms.
+        /// Residual of this equation if the others hold, relative to the terms of all of them.
         residual: f64,
     },
-    /// The plan does not belong to this problem.
+    /// The plan does not contain each independent equation of this problem once.
     #[error("the plan has {planned} equations, but {kept} are independent, and each must occur once")]
     Plan {
         /// Number of equations in the plan.
         planned: usize,
-        /// Number of equations that it should have.
+        /// Number of independent equations, which the plan should have.
         kept: usize,
     },
     /// Half of a symmetric K was passed as a full matrix.
@@ -61,7 +61,7 @@ pub enum EnforceError {
         if *.lower { "lower" } else { "upper" }
     )]
     Triangle {
-        /// Whether it is the lower half.
+        /// Whether the passed half is the lower one.
         lower: bool,
     },
     /// K has an entry outside of the half that was declared.
@@ -69,9 +69,9 @@ pub enum EnforceError {
         "K has an entry in row {row}, column {column} (from 0), outside of the declared half; pass one half, or declare Stiffness::full"
     )]
     WrongHalf {
-        /// Its row.
+        /// Row of the entry outside of the declared half.
         row: usize,
-        /// Its column.
+        /// Column of the entry outside of the declared half.
         column: usize,
     },
     /// A penalty factor is not a positive number.
@@ -86,17 +86,17 @@ pub enum EnforceError {
     /// The matrix is singular, but no free motion was found.
     #[error("{what} is singular, but no free motion was found; look for DOFs without stiffness")]
     Singular {
-        /// Name of the matrix.
+        /// Name of the singular matrix.
         what: &'static str,
     },
-    /// The solution is not in balance.
+    /// A residual stays above its limit after refinement, or rounding leaves no correct digit of u.
     #[error(
         "{row}: the residual is {imbalance:.1e} of its terms after refinement; the model is too ill-conditioned for double precision"
     )]
     OutOfBalance {
-        /// The forces on a DOF, or the label of an equation.
+        /// Name of the row with the residual: the forces on a DOF, or the label of an equation.
         row: String,
-        /// Residual relative to its terms.
+        /// Residual of this row, relative to its terms.
         imbalance: f64,
     },
     /// The springs are so soft that u misses the requested accuracy.
@@ -105,24 +105,24 @@ pub enum EnforceError {
         advice(*.smallest)
     )]
     PenaltyTooSmall {
-        /// The largest factor requested.
+        /// The largest penalty factor requested.
         factor: f64,
         /// Requested relative accuracy of u.
         accuracy: f64,
         /// Relative error of u that the springs cause; 1 if they are too soft for an estimate.
         cost: f64,
-        /// A factor that reaches the accuracy, if one was found.
+        /// A penalty factor that reaches the accuracy, if one was found.
         smallest: Option<f64>,
     },
     /// A matrix exceeds the memory or the integers of the solver.
     #[error("a matrix of {rows} x {cols} is too large")]
     TooLarge {
-        /// Its rows.
+        /// Number of rows of the matrix.
         rows: usize,
-        /// Its columns.
+        /// Number of columns of the matrix.
         cols: usize,
     },
-    /// Parts of T are kept as factors.
+    /// Parts of T are kept as factors, which `Steps` does not support.
     #[error(
         "parts of T are kept as factors, which Steps does not support; create the elimination with Form::Explicit, or use Problem"
     )]
@@ -163,7 +163,7 @@ pub enum EnforceError {
     Argument(#[from] ArgumentError),
 }
 
-/// The end of the message on penalties.
+/// The end of the message for a penalty that is too small: a sufficient factor, if one was found.
 fn advice(factor: Option<f64>) -> String {
     match factor {
         Some(factor) => format!("a sufficient factor is {factor:.1e}"),
@@ -171,10 +171,10 @@ fn advice(factor: Option<f64>) -> String {
     }
 }
 
-/// DOFs that move less than this fraction of the largest, dimensionless, are not named: a null vector is right to half of the digits at
-/// least.
+/// A DOF belongs to a free motion only if its dimensionless motion exceeds this fraction of the largest. A null vector is accurate to at
+/// least half of its digits, so that smaller entries may be errors.
 const SHARE: f64 = 1e-6;
-/// Largest number of DOFs in the message.
+/// Largest number of DOFs that the message names.
 const NAMED: usize = 8;
 
 /// A motion that constraints and prescribed DOFs leave free, up to rounding.
@@ -190,7 +190,7 @@ pub struct FreeMotion {
 }
 
 impl FreeMotion {
-    /// From a motion of all DOFs, and the same motion in dimensionless numbers.
+    /// Creates it from the motion u of all DOFs, and the same motion `sizes` in dimensionless numbers.
     pub(super) fn new(u: &[f64], sizes: &[f64], resistance: f64) -> Self {
         let most = sizes.iter().fold(0.0, |most: f64, size| most.max(size.abs()));
         let dofs: Vec<usize> = (0..u.len()).filter(|&j| sizes[j].abs() > SHARE * most).collect();
@@ -200,7 +200,7 @@ impl FreeMotion {
         Self { dofs, motion, resistance }
     }
 
-    /// Renumbers the DOFs: j becomes `dofs[j]`, which ascends.
+    /// Renumbers the DOFs: j becomes `dofs[j]`. The list `dofs` ascends, so that the order stays the same.
     pub(super) fn renumbered(mut self, dofs: &[usize]) -> Self {
         self.dofs.iter_mut().for_each(|j| *j = dofs[*j]);
         self

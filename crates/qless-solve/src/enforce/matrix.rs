@@ -1,6 +1,6 @@
-//! Sparse matrices by columns: entries, sizes of products, and factors of scaled matrices.
+//! Sparse matrices by columns: their entries, bordered matrices, and factors of scaled matrices.
 //!
-//! `A x = b` is solved by `S A S = L L^T` if A may be definite, and by LU with partial pivoting otherwise. S removes the units
+//! `A x = b` is solved by `S A S = L L^T` if A is definite, and by LU with partial pivoting otherwise. S removes the units
 //! ([`super::scale`]); without it, the units would choose the pivots of a saddle matrix. `L D L^T` is not used: faer's has no pivoting
 //! outside of the diagonal, and a saddle matrix has zeros on its diagonal.
 
@@ -12,14 +12,14 @@ use super::scale::times_power;
 use super::solver::{Llt, Lu, Solver, SolverError, SolverMatrix};
 use crate::common::SparseMatrix;
 
-/// The matrix of `(row, column, value)`, all in range; repeated entries are summed.
+/// The matrix with the entries `(row, column, value)`, all in range; repeated entries are summed.
 pub fn from_triplets(
     rows: usize,
     cols: usize,
     entries: impl IntoIterator<Item = (usize, usize, f64)>,
 ) -> Result<SparseMatrix, EnforceError> {
     let entries: Vec<_> = entries.into_iter().map(|(i, j, v)| Triplet::new(i, j, v)).collect();
-    // Only memory can fail here.
+    // All indices are in range, so that only a lack of memory can make this fail.
     SparseMatrix::try_new_from_triplets(rows, cols, &entries).map_err(|_| EnforceError::TooLarge { rows, cols })
 }
 
@@ -31,7 +31,7 @@ pub fn entries(a: &SparseMatrix) -> impl Iterator<Item = (usize, usize, f64)> + 
     })
 }
 
-/// `[K C^T; C -Z]` with a diagonal Z; C has `z.len()` rows.
+/// The saddle matrix `[K C^T; C -Z]` with a diagonal Z; C has `z.len()` rows.
 pub fn bordered(
     k: &SparseMatrix,
     c: impl Iterator<Item = (usize, usize, f64)>,
@@ -50,7 +50,7 @@ pub struct ScaledFactor {
 }
 
 impl ScaledFactor {
-    /// Factors A, whose unknowns have the given scales; `definite` asks for Cholesky first.
+    /// Factors A, whose unknowns have scales with the given exponents; `definite` asks for Cholesky first.
     pub fn new(a: &SparseMatrix, scale: Vec<i32>, definite: bool) -> Result<Self, EnforceError> {
         if a.nrows() == 0 {
             return Ok(Self { scale, solver: None });
@@ -78,7 +78,8 @@ impl ScaledFactor {
     }
 }
 
-/// `S M^-1 S b`, where M is the matrix that the solver factored; an error if a number is not finite.
+/// `S M^-1 S b`, where S holds the scales with the given exponents, and M is the matrix that the solver factored; an error if a number is
+/// not finite.
 pub fn backsolve(solver: &mut dyn Solver, scale: &[i32], b: &[f64]) -> Result<Vec<f64>, EnforceError> {
     let mut x: Vec<f64> = b.iter().zip(scale).map(|(b, &s)| times_power(*b, s)).collect();
     if !x.is_empty() {

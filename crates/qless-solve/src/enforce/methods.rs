@@ -1,4 +1,5 @@
-//! The methods of [`Problem`]: one per equation, the same for all, or elimination for sparse blocks and multipliers for the others.
+//! Solves a [`Problem`] with a method for each equation, one method for all, or elimination for sparse blocks and multipliers for the
+//! others.
 //!
 //! A block is a connected component of independent equations and free DOFs. Its fill is predicted before any product is formed: an entry
 //! `K_ij` becomes up to `t_i t_j` entries of `T^T K T`, where `t_i` is the number of entries in row i of T.
@@ -85,13 +86,13 @@ impl Problem<'_> {
     /// `[K C^T; C -1/D]`, so that K loses no digits in `K + C^T D C`.
     ///
     /// # Errors
-    /// As [`Problem::enforce`]; u may differ from the exact solution by a fraction of `accuracy`.
+    /// As [`Problem::enforce`]; the relative error of u may reach `accuracy`.
     pub fn penalty(&self, factor: f64, accuracy: f64) -> Result<Solution, EnforceError> {
         self.all(Method::Penalty { factor }, accuracy)
     }
 
-    /// The limit of penalties with multipliers that take over the forces of the springs, `lambda += D (C u - b)`: every equation holds to
-    /// `tolerance`, relative to its terms, whatever the factor is.
+    /// Computes the limit of the augmented Lagrange steps `lambda += D (C u - b)`, in which multipliers take over the forces of the
+    /// springs. Every equation holds to `tolerance`, relative to its terms, for any factor.
     ///
     /// # Errors
     /// As [`Problem::enforce`].
@@ -140,9 +141,9 @@ impl Problem<'_> {
 /// How a block of equations is enforced; the caller may change `eliminate`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BlockPlan {
-    /// The equations, ascending.
+    /// The equations of the block, ascending.
     pub rows: Vec<usize>,
-    /// Predicted fill: number of entries of `T^T K T` per entry of K on slaves of the block, at most.
+    /// Predicted fill: entries of `T^T K T` per entry of K in the rows and columns of the block's slaves.
     pub fill: f64,
     /// Whether slaves are eliminated; otherwise each equation gets a multiplier.
     pub eliminate: bool,
@@ -182,7 +183,7 @@ impl Problem<'_> {
         let terms = self.kept.iter().flat_map(|&row| self.system.matrix().row(row).map(move |(j, _)| (n + row, j)));
         let block = parts(n + self.system.equations(), terms.filter(|&(_, j)| is_free(j)));
         let (length, is_slave) = self.lengths_of_t()?;
-        // Entries of T^T K T and of K on slaves, by block.
+        // For each block, the number of entries of T^T K T, and of K in the rows and columns of slaves.
         let mut counts = vec![(0.0, 0.0); n];
         for (i, j, _) in entries(&self.k) {
             for dof in [i, j].into_iter().take(if i == j { 1 } else { 2 }).filter(|&dof| is_slave[dof]) {
@@ -201,7 +202,7 @@ impl Problem<'_> {
         Ok(plans.into_values().collect())
     }
 
-    /// The number of entries in each DOF's row of T, 1 for masters; and which DOFs are slaves.
+    /// For each DOF, the number of entries in its row of T (1 for masters), and whether it is a slave.
     fn lengths_of_t(&self) -> Result<(Vec<f64>, Vec<bool>), EnforceError> {
         let elimination = elimination_of(self.system, &self.kept)?;
         let reduction = elimination.reduction();

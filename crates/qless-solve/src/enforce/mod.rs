@@ -21,10 +21,10 @@
 //!
 //! After every solve the residuals of `K u + C^T lambda = f` and `C u = b` are compared with the sizes of their terms, row by row, and the
 //! solution is refined. `|K u + C^T lambda - f|_i` is at most 1e-10 of the terms of row i; otherwise the solution is refused
-//! ([`EnforceError::OutOfBalance`]). If the terms of a row are far smaller than those of its connected part, a thousandth of the largest
-//! counts, in units in which all unknowns are square roots of energy. For equations without a penalty, this floor is rounding of the
-//! largest terms instead of a thousandth. If multipliers do not satisfy an equation to this tolerance, elimination is tried before the
-//! solution is refused.
+//! ([`EnforceError::OutOfBalance`]). If the terms of a row are far smaller than those of its connected part, the residual is compared with
+//! a thousandth of the largest terms, in units in which all unknowns are square roots of energy. For constraint equations without a
+//! penalty, it is compared with the rounding of the largest terms instead. If multipliers do not satisfy an equation to this tolerance,
+//! elimination is tried before the solution is refused.
 //!
 //! Rounding of K changes u by a fraction of about `eps g`, where g is the condition number of Skeel and Bauer, estimated in every solve.
 //! [`Solution::accuracy`] states this fraction, or the effect of rounding on this particular solution if that is larger. If only rounding

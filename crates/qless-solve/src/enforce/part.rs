@@ -17,16 +17,16 @@ use crate::common::SparseMatrix;
 
 /// One connected part, dimensionless.
 pub struct EnforcedPart<'a> {
-    /// The constraint system that it is part of.
+    /// The constraint system of the whole model.
     whole: &'a ConstraintSystem,
-    /// Its free DOFs and its equations in the numbering of the caller, ascending.
+    /// Free DOFs and then equations of the part in the numbering of the caller, ascending.
     pub dofs: Vec<usize>,
     pub rows: Vec<usize>,
     pub k: SparseMatrix,
     pub symmetric: bool,
-    /// C of the part; its right-hand sides are in `rhs`.
+    /// The equations C of the part; their right-hand sides are in `rhs`.
     pub system: ConstraintSystem,
-    /// `f - K u_p`, then `b - C u_p`; and the sizes of their terms.
+    /// The right-hand sides `f - K u_p` and then `b - C u_p`, where u_p are prescribed values; and the sizes of their terms.
     pub rhs: (Vec<f64>, Vec<f64>),
     /// How each equation is enforced.
     pub methods: Vec<Method>,
@@ -34,9 +34,9 @@ pub struct EnforcedPart<'a> {
     pub accuracy: f64,
     /// The largest residual of augmented equations, relative to their terms.
     pub tolerance: f64,
-    /// The exponents of S, then those of R.
+    /// Exponents of the scales of the DOFs, then of the equations.
     pub scale: Vec<i32>,
-    /// t.
+    /// Exponent t of the size of the solution: u and lambda of the caller are `2^t` times the scaled ones.
     size: i32,
 }
 
@@ -49,7 +49,7 @@ impl EnforcedPart<'_> {
         }
     }
 
-    /// All entries of C.
+    /// All entries of the constraint matrix C of the part.
     pub fn equations(&self) -> impl Iterator<Item = Entry> + '_ {
         (0..self.rows.len()).flat_map(|i| self.system.matrix().row(i).map(move |(j, v)| (i, j, v)))
     }
@@ -75,7 +75,7 @@ pub struct PartTerms {
     rows: Vec<usize>,
     k: Vec<Entry>,
     c: Vec<Entry>,
-    /// `(row of A, coefficient, value)` of the terms with prescribed DOFs.
+    /// Terms with prescribed DOFs as `(row, coefficient, value)`; rows of C follow those of K.
     moved: Vec<(usize, f64, f64)>,
 }
 
@@ -112,7 +112,7 @@ pub fn split(problem: &Problem) -> Vec<PartTerms> {
 }
 
 impl PartTerms {
-    /// The part in dimensionless numbers.
+    /// Converts the part to dimensionless numbers.
     pub fn scaled<'a>(
         self,
         problem: &'a Problem,
@@ -156,7 +156,7 @@ impl PartTerms {
     }
 }
 
-/// Whether `K_ij - K_ji` is rounding of the entry or of the diagonal, which is one.
+/// Whether each difference `K_ij - K_ji` is rounding of the entry, or of the diagonal of the scaled K, which is one.
 fn is_symmetric(k: &SparseMatrix) -> bool {
     let off = |i: usize, j: usize, v: f64| (v - k.get(j, i).copied().unwrap_or_default()).abs();
     entries(k).all(|(i, j, v)| off(i, j, v) <= ROUNDING * v.abs().max(1.0))

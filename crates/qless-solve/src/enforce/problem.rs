@@ -134,7 +134,7 @@ fn check_arguments(k: &SparseMatrix, f: &[f64], dofs: usize) -> Result<(), Enfor
 pub struct Solution {
     /// Displacements of all DOFs.
     pub u: Vec<f64>,
-    /// lambda of `K u + C^T lambda = f`, one per equation; zero for redundant equations ([`Problem::redundant`]).
+    /// Multipliers lambda of `K u + C^T lambda = f`, one per equation; zero for redundant equations ([`Problem::redundant`]).
     pub multipliers: Vec<f64>,
     /// `-C^T lambda`: force of the constraints on each DOF.
     pub forces: Vec<f64>,
@@ -158,13 +158,14 @@ pub enum Method {
     Elimination,
     /// Solve for lambda as an unknown (Eq. 10).
     Multiplier,
-    /// A spring of stiffness `D = factor k / |C_i|^2` pulls towards the equation (Eq. 11) and leaves `C_i u - b_i = lambda_i / D`. In a
-    /// part without any stiffness k, the factor has no meaning and the equation is satisfied exactly.
+    /// A spring of stiffness `D = factor k / |C_i|^2` pulls towards the equation (Eq. 11) and leaves `C_i u - b_i = lambda_i / D`. Here k
+    /// is the largest stiffness of the equation's DOFs. In a part without any stiffness, the factor has no meaning and the equation is
+    /// satisfied exactly.
     Penalty {
         /// Stiffness of the spring relative to that of its DOFs.
         factor: f64,
     },
-    /// The same spring with a multiplier that takes over its force (the limit of those steps), so that the equation is satisfied.
+    /// A spring as in `Penalty`, whose force a multiplier takes over step by step. The solution is the limit, which satisfies the equation.
     Augmented {
         /// Stiffness of the spring relative to that of its DOFs.
         factor: f64,
@@ -183,8 +184,8 @@ impl Method {
     }
 }
 
-/// Largest difference between the residual of a redundant equation and the combination of residuals in its certificate that counts as zero,
-/// relative to the sum of the absolute terms: a certificate and the equations that it combines are each right to a tenth of it.
+/// Limit for the difference between the residual of a redundant equation and the combination of residuals in its certificate, relative to
+/// the sum of the absolute terms. The certificate and the residuals that it combines may each be wrong by a tenth of the limit.
 const NOTHING: f64 = 1e-9;
 
 /// Fails if the rank is ambiguous and the residual of a redundant equation is not the combination of residuals in its certificate.

@@ -1,4 +1,4 @@
-//! Transformation with a given reduction: `u_s = T u_q + G u_p + g` are the equations of a [`Problem`].
+//! Solves by transformation with a given reduction, whose rows `u_s = T u_q + G u_p + g` become the equations of a [`Problem`].
 
 use faer::sparse::SparseColMat;
 use qless::reduction::FactoredBlock;
@@ -50,7 +50,7 @@ pub fn reduced(
 /// A row of C on free DOFs.
 type Row = Vec<(usize, f64)>;
 
-/// `u_s - T u_q` of explicit slaves.
+/// The left-hand sides `u_s - T u_q` for slaves whose T is explicit.
 fn explicit_rows(reduction: &Reduction) -> impl Iterator<Item = Row> + '_ {
     let (noise, rows) = (TransformNoise::new(reduction.t()), reduction.t().rows());
     let mut is_factored = vec![false; reduction.slaves().len()];
@@ -63,7 +63,7 @@ fn explicit_rows(reduction: &Reduction) -> impl Iterator<Item = Row> + '_ {
     })
 }
 
-/// `C_S u_s + C_M u_q` of factored components, `C_S = (L U)^T`.
+/// The left-hand sides `C_S u_s + C_M u_q` for slaves whose T is kept as factors `C_S = (L U)^T`.
 fn factored_rows(reduction: &Reduction) -> Result<Vec<Row>, EnforceError> {
     let mut all = Vec::new();
     for block in reduction.factored() {

@@ -4,7 +4,8 @@
 //! A = [K C^T; C -Z]        K u + C^T lambda = f,  C u - Z lambda = b        Z = 1 / D for penalties, zero for other equations
 //! ```
 //!
-//! The inverse M^-1 contains elimination and multipliers, and holds all equations exactly (Z = 0):
+//! The inverse M^-1 satisfies all equations exactly (Z = 0). It eliminates some of them (subscript E) and gives multipliers to the others
+//! (subscript M); r are the right-hand sides:
 //!
 //! ```text
 //! elimination    u = L q + u_0, C_E u_0 = r_E             K_q = L^T K L, f_q = L^T (r - K u_0)
@@ -26,10 +27,10 @@ use super::problem::Method;
 use super::scale::{known_units, scales, times_power};
 use crate::common::times;
 
-/// The equations that all methods solve, with the compliance Z of each.
+/// The saddle equations, which all methods solve; z is the compliance of each constraint equation.
 pub fn saddle_equations(part: &EnforcedPart, z: &[f64]) -> Result<Equations, EnforceError> {
     let known = known_units(entries(&part.k), part.equations(), (part.dofs.len(), part.rows.len()));
-    // Equations other than penalties hold by their own terms, down to rounding of the largest.
+    // The residual of a constraint equation without a penalty is compared with its own terms, or with the rounding of the largest terms.
     let of_row = |method: &Method| match method {
         Method::Penalty { .. } => (FLOOR, BALANCED),
         Method::Augmented { .. } => (ROUNDING, part.tolerance),
@@ -39,7 +40,7 @@ pub fn saddle_equations(part: &EnforcedPart, z: &[f64]) -> Result<Equations, Enf
     Ok(Equations::connected(bordered(&part.k, part.equations(), z)?, known, limits))
 }
 
-/// Z of each penalty, zero for other equations: `Z_i = 1 / D_i`, `D_i = factor k_i / |C_i|^2`.
+/// The compliance `Z_i = 1 / D_i` of each equation with a penalty, where `D_i = factor k_i / |C_i|^2`; zero for other equations.
 ///
 /// `k_i` is the largest diagonal entry of K on the free DOFs of the equation, or the largest entry of the part if these have none, in the
 /// caller's units. D has the units of the equation; the factor is dimensionless. If the part has no stiffness at all, Z is zero and the
@@ -51,7 +52,7 @@ pub fn compliance(part: &EnforcedPart) -> Vec<f64> {
     let of_row = |(i, method): (usize, &Method)| {
         let Method::Penalty { factor } = method else { return 0.0 };
         let row = || part.system.matrix().row(i);
-        // The caller's units, relative to those of the softest DOF of the equation: squares stay in the range of doubles.
+        // The caller's units, relative to the smallest scale of the equation's DOFs: squares stay in the range of doubles.
         let unit = row().map(|(j, _)| part.scale[j]).min().unwrap_or_default();
         let square: f64 = row().map(|(j, v)| times_power(v, unit - part.scale[j]).powi(2)).sum();
         let near = row().map(|(j, _)| times_power(diagonal[j], 2 * (unit - part.scale[j]))).fold(0.0, f64::max);
@@ -62,7 +63,7 @@ pub fn compliance(part: &EnforcedPart) -> Vec<f64> {
     part.methods.iter().enumerate().map(of_row).collect()
 }
 
-/// Factors of A with Z = 0 (see the module): eliminated equations are condensed, and those with multipliers are a border.
+/// Factors of the saddle matrix A with Z = 0: eliminated equations are condensed, and those with multipliers are a border.
 pub struct SaddleInverse<'a> {
     part: &'a EnforcedPart<'a>,
     eliminated: Vec<usize>,
@@ -99,7 +100,7 @@ impl<'a> SaddleInverse<'a> {
         Ok(Self { part, eliminated, elimination, condensed, border, multipliers, factor })
     }
 
-    /// `M^-1 r`.
+    /// Applies the inverse of the saddle matrix: `M^-1 r`.
     pub fn solve(&mut self, r: &[f64]) -> Result<Vec<f64>, EnforceError> {
         let (forces, gaps) = r.split_at(self.part.dofs.len());
         if !self.eliminated.is_empty() {
@@ -108,7 +109,7 @@ impl<'a> SaddleInverse<'a> {
         }
         let mut rhs = vec![0.0; self.condensed.unknowns()];
         self.condensed.load_into(&self.elimination, self.part.k.val(), forces, &mut rhs)?;
-        // u_0 of the DOFs that are not unknowns.
+        // The constant part u_0, for DOFs that are not unknowns of the factored matrix.
         let mut constant = vec![0.0; forces.len()];
         self.elimination.expand_into(&vec![0.0; self.elimination.masters().len()], &mut constant)?;
         self.condensed.dofs().iter().for_each(|&dof| constant[dof] = 0.0);
@@ -139,7 +140,7 @@ impl<'a> SaddleInverse<'a> {
     }
 }
 
-/// The elimination of some equations, with zero right-hand sides; components whose T would fill are kept as factors.
+/// Eliminates the equations `rows` with zero right-hand sides; components whose T would fill are kept as factors.
 pub fn elimination_of(system: &ConstraintSystem, rows: &[usize]) -> Result<Elimination, EnforceError> {
     let mut builder = SystemBuilder::new(system.dofs());
     rows.iter().for_each(|&row| {

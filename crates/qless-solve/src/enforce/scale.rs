@@ -1,9 +1,10 @@
-//! Dimensionless numbers: powers of two `S = diag(2^e)` that give every row of `S A S` a largest entry near 1, `A = [K C^T; C 0]`.
+//! Scales that make `A = [K C^T; C 0]` dimensionless: powers of two `S = diag(2^e)` such that the largest entry in every row of `S A S` is
+//! near 1.
 //!
 //! ```text
 //! s_j = 1 / sqrt(|K_jj|)                DOFs with stiffness: s_j u_j' = u_j, where u_j' are square roots of energy
 //! s_j = 1 / max_i |K_ij| s_i            DOFs that K couples to these; then all are balanced
-//! s_r = 1 / max_j |C_rj| s_j            equations, over DOFs that have their scale
+//! s_r = 1 / max_j |C_rj| s_j            equations, over DOFs that have a scale by now
 //! s_j = 1 / max_r |C_rj| s_r            DOFs that occur in equations only
 //! ```
 //!
@@ -15,17 +16,18 @@
 
 use qless::common::DisjointSets;
 
-/// `(row, column, value)`.
+/// An entry of a matrix: `(row, column, value)`.
 pub type Entry = (usize, usize, f64);
-/// `(row, column, log2 of the size)` of a nonzero entry.
+/// A nonzero entry of a matrix: `(row, column, log2 of the size)`.
 type Power = (usize, usize, f64);
 
-/// Most passes that balance K. Each halves the exponents of what is off, of at most 2^11; definite matrices need one pass.
+/// Largest number of passes that balance K. Each pass halves the exponents of rows that are off; exponents are below 2^11. Definite
+/// matrices need one pass.
 const SWEEPS: usize = 20;
 /// The exponent of a DOF without a scale.
 const NONE: f64 = f64::NEG_INFINITY;
 
-/// The exponent of each DOF, then that of each equation of C; `(n, m)` are their numbers.
+/// The exponents of the scales of the n DOFs, then of the m equations of C.
 pub fn scales(k: impl Iterator<Item = Entry>, c: impl Iterator<Item = Entry>, (n, m): (usize, usize)) -> Vec<i32> {
     let mut scale = of_stiffness(&powers(k), n);
     scale.resize(n + m, NONE);
@@ -37,7 +39,7 @@ fn powers(entries: impl Iterator<Item = Entry>) -> Vec<Power> {
     entries.filter(|&(_, _, v)| v != 0.0).map(|(i, j, v)| (i, j, v.abs().log2())).collect()
 }
 
-/// Scales from K alone; none if K has no entry.
+/// Exponents of scales from K alone; a DOF without an entry in K gets none.
 fn of_stiffness(k: &[Power], n: usize) -> Vec<f64> {
     let mut scale = vec![NONE; n];
     k.iter().filter(|(i, j, _)| i == j).for_each(|&(i, _, e)| scale[i] = -0.5 * e);
@@ -47,7 +49,7 @@ fn of_stiffness(k: &[Power], n: usize) -> Vec<f64> {
     missing.for_each(|(s, most)| *s = -0.5 * most);
     for _ in 0..SWEEPS {
         let most = largest_of_rows(k, n, |i, j, e| scale[i] + e + scale[j]);
-        // Scales are rounded to whole exponents in the end.
+        // Scales are rounded to whole exponents in the end, so that a finer balance is useless.
         if most.iter().all(|e| *e == NONE || e.abs() <= 0.5) {
             break;
         }
@@ -67,7 +69,7 @@ fn largest_of_rows(k: &[Power], n: usize, size: impl Fn(usize, usize, f64) -> f6
     most
 }
 
-/// Gives rows without a scale `s_i = 1 / max_j |v_ij| s_j` of their neighbours, breadth first.
+/// Gives each row i without a scale `s_i = 1 / max_j |v_ij| s_j` from its neighbours j with a scale, breadth first; v are the terms.
 fn spread(scale: &mut [f64], terms: &[Power]) {
     if !scale.contains(&NONE) {
         return;
@@ -111,8 +113,8 @@ pub fn parts(count: usize, pairs: impl Iterator<Item = (usize, usize)>) -> Vec<u
 
 /// Whether the unit of each DOF is known, then the same for the multipliers: all DOFs of their equation have known units.
 ///
-/// A diagonal entry determines the unit of its DOF and of all DOFs in the same connected part of K, and equations those of DOFs without
-/// stiffness. Without any stiffness, the equations connect all DOFs, and all units count as known.
+/// A diagonal entry determines the unit of its DOF and of all DOFs in the same connected part of K. Equations determine the units of DOFs
+/// without stiffness from those of their other DOFs. Without any stiffness, the equations connect all DOFs, and all units count as known.
 pub fn known_units(
     k: impl Iterator<Item = Entry>,
     c: impl Iterator<Item = Entry>,

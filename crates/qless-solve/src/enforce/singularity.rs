@@ -1,15 +1,15 @@
-//! Whether a matrix is singular up to rounding: how far the unknowns move if each entry of A is wrong in its last place.
+//! Decides whether a matrix A is singular up to rounding: by how far the unknowns move if each entry of A is wrong in its last place.
 //!
 //! ```text
 //! v <- A^-1 (r |A| |v|),  g = max |v after| / max |v before|       random r in +-[1/2, 1], dimensionless
 //! ```
 //!
 //! g tends to the condition number of Skeel and Bauer, `| |A^-1| |A| |`: rounding of the entries of A changes x by a fraction of about
-//! `g eps`. Units of rows and columns do not change g, and stiff parts on soft ones do not make it large. Sizes are those of the terms that
-//! were summed into A: a stiffness `0.1 + 0.2 - 0.3` has the size 0.6.
+//! `g eps`. Units of rows and columns do not change g, and stiff parts on soft ones do not make it large. `|A|` holds the sizes of the
+//! terms that were summed into A: a stiffness `0.1 + 0.2 - 0.3` has the size 0.6.
 //!
-//! If g is so large that rounding decides, v is refined to a null vector, `v <- v - M^-1 A v`. If `|A v|` is rounding of `|A| max |v|` in
-//! every row, then a matrix that differs from A by rounding is singular (Rigal and Gaches).
+//! If g is so large that rounding decides, v is refined to a null vector, `v <- v - M^-1 A v`, where M^-1 applies the computed factors. If
+//! `|A v|` is rounding of `|A| max |v|` in every row, then a matrix that differs from A by rounding is singular (Rigal and Gaches).
 //!
 //! If the load is incompatible with a singular A, g can stay small, for example if the zero pattern alone makes A singular. The factors are
 //! then not an inverse: `M^-1 A v` differs from v. Such a v is a candidate for a null vector, whatever g is.
@@ -21,18 +21,19 @@ use super::matrix::{ScaledFactor, entries};
 use super::{EnforceError, SolverError};
 use crate::common::{ENTRY_ROUNDING, RandomForces};
 
-/// Power iterations: the growth in the first one depends on the start vector and does not count.
+/// Number of power iterations. The growth in the first one does not count, since it depends on the start vector.
 const STEPS: usize = 2;
-/// Most refinements of a null vector.
+/// Largest number of refinements of a null vector.
 const SHARPENINGS: usize = 6;
-/// Growth at which a null vector is searched for. A singular A has `g > 1 / ROUNDING`; a power step finds a hundredth of it.
+/// Growth above which a null vector is searched for. A singular A has `g > 1 / ROUNDING`; one power step finds at least a hundredth of
+/// that.
 const SUSPICIOUS: f64 = 0.01 / ROUNDING;
 
 /// Whether the model is supported.
 pub enum SupportVerdict {
-    /// It is supported, with this growth g.
+    /// The model is supported; g is the growth of rounding.
     Supported(f64),
-    /// This motion is free, except for forces of this fraction of their terms.
+    /// This motion is free: the forces that resist it are at most this fraction of their terms.
     Mechanism(Vec<f64>, f64),
 }
 
@@ -53,7 +54,7 @@ pub fn check_support(equations: &Equations, solve: &mut Solve<'_>) -> Result<Sup
     })
 }
 
-/// g, and candidates for null vectors of A: the vector that grew most, and the first one if the factors do not invert A.
+/// The growth g, and candidates for null vectors of A: the last iterate, and also the first one if the factors do not invert A.
 fn rounding_growth(equations: &Equations, solve: &mut Solve<'_>) -> Result<(f64, Vec<Vec<f64>>), EnforceError> {
     let (mut v, mut growth, mut candidates) = (vec![1.0; equations.parts.len()], 0.0_f64, Vec::new());
     let mut random = RandomForces::default();
@@ -79,8 +80,8 @@ fn rounding_growth(equations: &Equations, solve: &mut Solve<'_>) -> Result<(f64,
     Ok((growth, candidates))
 }
 
-/// Whether `M^-1 A v` differs from v, the first solution of size one, by more than a half: such factors are no inverse, and refinement
-/// diverges. It can only if the solution is huge or its residual is as large as half of the forces, so that the solve is seldom needed.
+/// Whether the factors are no inverse of A: `M^-1 A v` differs from the first iterate v, scaled to size one, by more than a half.
+/// Refinement then diverges. This needs a solve only if the solution is huge or its residual is larger than half of the forces.
 fn is_not_inverted(equations: &Equations, solve: &mut Solve<'_>, (v, size): (&[f64], f64), forces: &[f64]) -> bool {
     let off = |a: &[f64], b: &[f64]| largest(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>());
     let product = equations.apply(v);
@@ -133,8 +134,9 @@ fn largest(x: &[f64]) -> f64 {
     x.iter().fold(0.0, |most: f64, x| most.max(x.abs()))
 }
 
-/// The free motion of a model whose factorization failed, and the relative force that resists it: by LU of A, which has other pivots, or
-/// by a rank-revealing elimination with the rows of A as equations. The first `dofs` unknowns are DOFs, one of which must move.
+/// Finds the free motion of a model whose factorization failed, and the relative force that resists it. It tries LU of A, which has other
+/// pivots, and then a rank-revealing elimination with the rows of A as equations. The first `dofs` unknowns are DOFs, one of which must
+/// move.
 pub fn free_motion(equations: &Equations, dofs: usize) -> Option<(Vec<f64>, f64)> {
     let n = equations.parts.len();
     if let Ok(mut factor) = ScaledFactor::new(&equations.a, vec![0; n], false)

@@ -47,7 +47,7 @@ pub fn run(problem: &Problem, methods: &[Method], accuracy: f64) -> Result<Solut
     refused.map_or_else(|| with_reactions(problem, solution), Err)
 }
 
-/// A solution of one part in balance, and its estimated relative error of u.
+/// Solves one part and refines until residuals are within their limits; returns the solution and the estimated relative error of u.
 fn solve_part(part: &EnforcedPart) -> Result<(Refined, f64), EnforceError> {
     let (model, b) = (saddle_equations(part, &vec![0.0; part.rows.len()])?, (&part.rhs.0[..], &part.rhs.1[..]));
     let mut inverse = SaddleInverse::new(part, |method| *method != Method::Multiplier)
@@ -58,7 +58,7 @@ fn solve_part(part: &EnforcedPart) -> Result<(Refined, f64), EnforceError> {
         Err(error) => return Err(singular(part, &model, error)),
     };
     let mut refined = model.refine(&mut |r| inverse.solve(r), b)?;
-    // Terms that are zero stay zero with T, but become rounding with factors of the saddle matrix.
+    // With T, terms that are zero stay zero; with factors of the saddle matrix, they become rounding. So elimination is tried as well.
     if refined.share > 1.0
         && let Ok(mut other) = SaddleInverse::new(part, |_| true)
         && let Ok(found) = model.refine(&mut |r| other.solve(r), b)
@@ -77,7 +77,8 @@ fn solve_part(part: &EnforcedPart) -> Result<(Refined, f64), EnforceError> {
     if accuracy < 1.0 { Ok((found, accuracy)) } else { Err(residual_error(part, &found)) }
 }
 
-/// Penalties to the requested accuracy with their error of u, or an error with a sufficient factor.
+/// Solves with penalties. Returns the solution and its relative error of u; if that exceeds the requested accuracy, an error with a
+/// sufficient factor.
 fn penalised(
     part: &EnforcedPart,
     inverse: &mut SaddleInverse,
@@ -88,7 +89,7 @@ fn penalised(
         let z: Vec<f64> = compliance(part).into_iter().map(|z| z / share).collect();
         let model = saddle_equations(part, &z)?;
         let refined = model.refine(&mut |r| inverse.solve(r), (&part.rhs.0, &part.rhs.1))?;
-        // Two solutions cannot show a smaller difference.
+        // A difference of two solutions below eps is rounding.
         let error = if refined.share <= 1.0 { errors.between(exact, &refined.x).max(f64::EPSILON) } else { 1.0 };
         Ok((refined, error))
     };
@@ -98,7 +99,7 @@ fn penalised(
     if is_enough(cost) {
         return Ok((found, cost));
     }
-    // The error falls as 1 / factor once it is small; from there on, powers of ten are tried.
+    // Once the error is small, it falls as 1 / factor: this gives the first share to try. Then the share grows by powers of ten.
     let first = 2.0 * cost.clamp(accuracy, accuracy.max(1e3)) / accuracy;
     let mut shares = (0..6).map(|digits| first * 10_f64.powi(digits));
     let share = shares.find(|&share| matches!(softened(share), Ok((_, error)) if is_enough(error)));
@@ -118,7 +119,7 @@ fn residual_error(part: &EnforcedPart, refined: &Refined) -> EnforceError {
     }
 }
 
-/// The error for factors that failed.
+/// The error for factors that failed: the free motion if one is found, otherwise `error`.
 fn singular(part: &EnforcedPart, model: &Equations, error: EnforceError) -> EnforceError {
     match (free_motion(model, part.dofs.len()), error) {
         (Some(motion), _) => unsupported(part, motion),
@@ -158,11 +159,11 @@ fn worse(first: EnforceError, second: EnforceError) -> EnforceError {
             PenaltyTooSmall { factor, accuracy, cost, smallest },
             PenaltyTooSmall { factor: f, cost: c, smallest: s, .. },
         ) => {
-            // One factor for all penalties.
+            // The larger factor is sufficient for the penalties of both errors.
             let smallest = smallest.zip(s).map(|(a, b)| a.max(b));
             PenaltyTooSmall { factor: factor.max(f), accuracy, cost: cost.max(c), smallest }
         }
-        // Errors that no factor avoids come first.
+        // An error that no larger factor avoids is more severe.
         (PenaltyTooSmall { .. }, other) | (_, other @ Unsupported(_)) => other,
         (first, _) => first,
     }

@@ -91,7 +91,8 @@ pub type Llt = Cholesky<false>;
 /// refuses the solution. For a saddle matrix use [`Lu`].
 pub type Ldlt = Cholesky<true>;
 
-/// Factors of a symmetric matrix, [`Llt`] or [`Ldlt`]: the symbolic factorization of the first call, and values, if there are any.
+/// Factors of a symmetric matrix, [`Llt`] or [`Ldlt`]: the symbolic factorization of the first call, and the values of the last successful
+/// one.
 #[derive(Debug, Default)]
 pub struct Cholesky<const DIAGONAL: bool> {
     symbolic: Option<SymbolicCholesky<u32>>,
@@ -138,7 +139,7 @@ impl<const DIAGONAL: bool> Solver for Cholesky<DIAGONAL> {
     }
 }
 
-/// Memory for one call of faer.
+/// Allocates the working memory for one call of faer.
 fn room(request: StackReq) -> Result<MemBuffer, SolverError> {
     MemBuffer::try_new(request).map_err(SolverError::from_debug)
 }

@@ -35,17 +35,17 @@ use super::{EnforceError, FreeMotion};
 pub struct Steps<S> {
     elimination: Elimination,
     condensed: CondensedPattern,
-    /// The same with the sizes of the entries of T: it condenses `|K|` to the sizes of the terms of K_q.
+    /// The elimination with sizes in place of the entries of T: it condenses `|K|` to the sizes of the terms of K_q.
     sizes: Elimination,
     of_sizes: CondensedPattern,
     solver: S,
-    /// K_q as the solver reads it.
+    /// Values of the condensed matrix K_q, in the order in which the solver reads them.
     k_q: Vec<f64>,
     /// All entries of K_q, dimensionless.
     equations: Equations,
     /// The index in `k_q` of each entry of the equations.
     places: Vec<u32>,
-    /// The exponents of the unknowns.
+    /// Exponents of the scales of the unknowns.
     scale: Vec<i32>,
     /// Whether the last [`Steps::solve`] factored K_q and found no mechanism. [`Steps::solve_again`] needs this.
     is_held: bool,
@@ -83,7 +83,7 @@ impl<S: Solver> Steps<S> {
         let sizes = Elimination::from_reduction(sizes_of(elimination.reduction())?, elimination.prescribed_values())?;
         let of_sizes = sizes.condensed(k, PrescribedDofs::Eliminated)?;
         let (n, is_half) = (condensed.unknowns(), condensed.storage() != Storage::Full);
-        // The values are the places of the entries.
+        // In this matrix, each value is the place of its entry in the condensed pattern.
         let all = condensed.entries().enumerate().flat_map(|(place, (i, j))| {
             [(i, j, place as f64), (j, i, place as f64)].into_iter().take(if is_half && i != j { 2 } else { 1 })
         });
@@ -150,7 +150,7 @@ impl<S: Solver> Steps<S> {
         check_redundant(analysis, self.elimination.kinds(), self.elimination.rhs(), u)
     }
 
-    /// `|L|^T (|f| + |K| |u_0|)`.
+    /// Sizes of the terms of the condensed load: `|L|^T (|f| + |K| |u_0|)`.
     fn size_of_load(&mut self, k: &[f64], f: &[f64], sizes: &mut [f64]) -> Result<(), EnforceError> {
         let mut constant = vec![0.0; self.elimination.dofs()];
         self.elimination.expand_into(&vec![0.0; sizes.len()], &mut constant)?;
@@ -177,7 +177,7 @@ impl<S: Solver> Steps<S> {
         Err(EnforceError::Unsupported(FreeMotion::new(&u, &sizes, resistance)))
     }
 
-    /// Factors K_q, whose columns the solver reads.
+    /// Factors K_q in the storage that the solver reads, by columns.
     fn factor(&mut self) -> Result<(), EnforceError> {
         let condensed = &self.condensed;
         let (starts, rows) = (condensed.starts(), condensed.index());
@@ -221,7 +221,7 @@ impl<S: Solver> Steps<S> {
     }
 }
 
-/// T with the sizes of its entries, G and g being zero.
+/// The reduction with sizes in place of the entries of T; G and g are zero.
 fn sizes_of(reduction: &Reduction) -> Result<Reduction, EnforceError> {
     let (t, noise) = (reduction.t(), TransformNoise::new(reduction.t()));
     let sizes = (0..t.rows())
@@ -241,7 +241,7 @@ fn scaled(x: &[f64], scale: &[i32]) -> Vec<f64> {
     x.iter().zip(scale).map(|(x, e)| times_power(*x, *e)).collect()
 }
 
-/// `S^-1 K_q^-1 S^-1 r`.
+/// `S^-1 K_q^-1 S^-1 r`, where S holds the scales with the given exponents.
 fn inverse(solver: &mut impl Solver, scale: &[i32], r: &[f64]) -> Result<Vec<f64>, EnforceError> {
     let opposite: Vec<i32> = scale.iter().map(|e| -e).collect();
     backsolve(solver, &opposite, r)

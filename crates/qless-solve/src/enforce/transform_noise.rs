@@ -1,7 +1,7 @@
 //! Entries of T that are rounding, recognised by their size in an equilibrated T:
 //!
 //! ```text
-//! R T S, the largest number of each row and column near 1 (Ruiz 2001)        real: above 2^-40
+//! R T S, the largest number of each row and column near 1 (Ruiz 2001)        above 2^-40: no rounding
 //! ```
 //!
 //! A factorization leaves entries of relative size `eps` where T has zeros. A master that only such entries connect to K has no stiffness.
@@ -31,7 +31,8 @@ impl TransformNoise {
         Self((0..t.rows()).any(is_small).then(scales))
     }
 
-    /// Size of the terms of an entry of T, which has so many rows: its own, or that of the number whose rounding it is.
+    /// Size of the terms of an entry of T: its absolute value, or, if the entry is rounding, the size of the number that it is a rounding
+    /// of. T has `rows` rows.
     pub fn size(&self, (row, col, rows): (usize, usize, usize), value: f64) -> f64 {
         let Some(scale) = &self.0 else { return value.abs() };
         let unit = times_power(1.0, -scale[row] - scale[rows + col]);

@@ -19,20 +19,21 @@ use super::time_path::TimePath;
 use crate::common::random;
 use crate::newton::{Parts, change};
 
-/// Largest spectral radius of an accepted step. At one, branches may meet; a half leaves as much for the curvature of the path.
+/// Largest spectral radius of P in an accepted step. At one, branches may meet; the limit leaves a margin for the curvature of the path.
 const MOST: f64 = 0.5;
-/// Applications of P; the second half estimates the radius, to about a tenth.
+/// Number of applications of P to a vector. The second half of them estimates the spectral radius of P, to about a tenth.
 const POWERS: usize = 8;
-/// A motion by less than this fraction of the reach of the DOFs, or a change of G by this fraction, is accepted: the result is near its start,
-/// also if branches meet on the way.
+/// A step is accepted if it changes the constraint Jacobian G by at most this fraction, or if its path deviates from a straight one by at
+/// most this fraction of the units of the DOFs. The result is then near its start, even if branches meet on the way.
 const SMALL: f64 = 0.005;
-/// Branches meet at an end of the step if its distance to the meeting point is at most this fraction of the distance of the other end: the
-/// square root of the fraction by which a step may end beside it. P then has the eigenvalue 1 if G' is singular, and a very large one if G is.
+/// Branches meet at an end of the step if the distance of the meeting point to this end is at most this fraction of its distance to the
+/// other end. P then has the eigenvalue 1 if the Jacobian is singular at the end of the step, and a very large one if it is singular at the
+/// start. The value is the square root of the fraction by which a step may miss the meeting point.
 const NEARER: f64 = 1e-3;
 /// A DOF is determined if it moves by less than this fraction of its unit while the others move by theirs: far above the rounding of the
 /// saddle solution, far below any motion.
 const STILL: f64 = 1e-6;
-/// Times at which a step is checked. A step over whole periods passes all of them with a probability of about 0.1 each.
+/// Number of times at which a step is checked. At each of them, a step over whole periods passes with a probability of about 0.1.
 const TIMES: u32 = 8;
 
 /// The state of one part at the start of a load step. [`Branch::check`] tests whether a step stays on the same solution branch.
@@ -43,7 +44,7 @@ pub struct Branch {
     rows: PartRows,
     /// Units of the free DOFs.
     units: Vec<f64>,
-    /// `[S^-2, G^T; G, 0]` with the units S; it gives the shortest motion with given G dx.
+    /// The matrix `[S^-2, G^T; G, 0]` with the units S and the constraint Jacobian G; it gives the shortest motion with given G dx.
     saddle: Saddle,
     determined: Vec<bool>,
 }
@@ -51,21 +52,23 @@ pub struct Branch {
 /// Result of the check of one step.
 #[derive(Clone, Copy, Default)]
 pub struct BranchCheck {
-    /// The spectral radius of P.
+    /// Spectral radius of P, where `P x = dx` is defined by `G dx = (G - G') x`: G is the constraint Jacobian at the start of the step, G'
+    /// at its end.
     pub radius: f64,
     /// Whether branches meet on the way, or nearly meet, so that Newton's method chooses one.
     pub met: bool,
 }
 
 impl BranchCheck {
-    /// Factor for the length of the next step, whose radius then is about half of the limit; NaN counts as a large radius.
+    /// Factor for the length of the next step, such that its spectral radius is about half of the limit; NaN counts as a large radius.
     pub fn growth(&self) -> f64 {
         if self.met { 2.0 } else { (0.5 * MOST / self.radius).max(0.1) }
     }
 }
 
 impl Branch {
-    /// At a configuration that satisfies the constraints of a part; none if no DOF is determined, or if branches meet there.
+    /// Creates the branch at a configuration that satisfies the constraints of a part; none if no DOF is determined, or if branches meet
+    /// there.
     pub fn new(before: &Arc<Evaluation>, rows: &PartRows, (parts, part): (&Arc<Parts>, usize)) -> Option<Self> {
         let units: Vec<f64> = parts.list[part].free.iter().map(|&j| rows.units()[j]).collect();
         let mut list: Vec<_> = units.iter().enumerate().map(|(i, unit)| (i, i, unit.powi(-2))).collect();
@@ -113,14 +116,14 @@ impl Branch {
         if last == 0.0 { 0.0 } else { (last / half).powf(2.0 / POWERS as f64) }
     }
 
-    /// dx on the determined DOFs, with `G dx = b` on the kept rows.
+    /// The shortest motion dx with `G dx = b` on the kept rows, where G is the constraint Jacobian; zero at DOFs that are not determined.
     fn moved(&self, b: impl Iterator<Item = f64>) -> Vec<f64> {
         let rhs: Vec<f64> = self.units.iter().map(|_| 0.0).chain(b).collect();
         let dx = self.saddle.solve(&rhs);
         dx.iter().zip(&self.determined).map(|(&dx, &determined)| if determined { dx } else { 0.0 }).collect()
     }
 
-    /// `(G - G') x` on the kept rows.
+    /// `(G - G') x` on the kept rows, where G is the constraint Jacobian at the start of the step and G' at `after`.
     fn jacobian_change(&self, after: &Evaluation, x: &[f64]) -> Vec<f64> {
         let (before, after) = (self.before.g(), after.g());
         let x = |j: usize| self.parts.place(self.part, j).map_or(0.0, |place| x[place]);
@@ -131,14 +134,14 @@ impl Branch {
     /// The largest entry of a motion, relative to the units.
     fn size(&self, x: &[f64]) -> f64 {
         let sizes = x.iter().zip(&self.units).map(|(x, unit)| (x / unit).abs());
-        // Keeps NaN.
+        // NaN is kept as the largest entry.
         sizes.fold(0.0, |most, x| if most.is_nan() || x <= most { most } else { x })
     }
 }
 
 /// Checks all parts between two load factors: fails if the first-order path of determined DOFs differs from a straight one by more than a
-/// quarter of its length, as an arc of 110 degrees does. Its end then does not represent the path; it may have returned, as after a full
-/// turn.
+/// quarter of its length, as an arc of 110 degrees does. The end of the step then does not represent the path: DOFs may have returned
+/// there, as after a full turn.
 pub fn check_jumps(
     branches: &[&Branch],
     time_path: &mut TimePath,

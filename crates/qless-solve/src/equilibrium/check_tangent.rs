@@ -76,16 +76,16 @@ impl WrongEntry {
     }
 }
 
-/// The model at u.
+/// The model at u, and a direction in which its DOFs are moved.
 pub(super) struct TangentCheck<'a, M> {
     model: &'a mut M,
     u: &'a [f64],
     here: Assembly,
-    /// The direction d.
+    /// The direction d, a random fraction of the size of each DOF.
     direction: Vec<f64>,
 }
 
-/// Slopes along a direction in each row, and bounds on their errors.
+/// For each row, the slope of the force along a direction, and a bound on its error.
 struct Slopes {
     value: Vec<f64>,
     error: Vec<f64>,
@@ -149,8 +149,8 @@ impl<'a, M: Model> TangentCheck<'a, M> {
         off > TRUSTED * error && off > SHARE * f64::max(size, slope.abs())
     }
 
-    /// Slopes by forward and backward differences of three lengths, whose spread bounds the error: a force that bends, or the rounding of
-    /// a short difference, makes them differ. `None` if the model refuses a configuration.
+    /// Slopes by forward and backward differences of three lengths. Their spread bounds the error: a nonlinear force, or the rounding of a
+    /// short difference, makes them differ. `None` if the model refuses a configuration.
     fn slopes(&mut self, moved: &std::ops::Range<usize>, length: f64) -> Option<Slopes> {
         let mut all = Vec::new();
         for length in [length, length / 3.0, length / 9.0, -length, -length / 3.0, -length / 9.0] {

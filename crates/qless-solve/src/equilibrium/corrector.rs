@@ -1,4 +1,5 @@
-//! Newton's method at one load: `[K + H, G^T; G, 0] [du; lambda' - lambda] = -[r; c]`, with H of the current multipliers.
+//! Newton's method at one load: `[K + H, G^T; G, 0] [du; lambda' - lambda] = -[r; c]`, where H is the stiffness of the constraints at the
+//! current multipliers lambda.
 //!
 //! All parts are iterated together: one evaluation of model and constraints serves all. Scales, factors, step lengths, kept rows and
 //! termination are separate. A part that has converged or failed does not move. One iteration:
@@ -18,17 +19,18 @@ use super::state::{EquilibriumState, Unknowns};
 use super::{EquilibriumError, EquilibriumIterate, EquilibriumOptions, Model};
 use crate::newton::Parts;
 
-/// Most new choices of rows in one load step. The rows at the solution are those of one choice; more mean that choices alternate.
+/// Largest number of new choices of rows in one load step. One choice should give the rows at the solution; more mean that choices
+/// alternate.
 const CHANGES: usize = 4;
 
-/// The end of a load step.
+/// Load factor, loads and prescribed values at the end of a load step.
 pub struct StepTarget {
     pub factor: f64,
     pub loads: Vec<f64>,
     pub prescribed: Vec<(usize, f64)>,
 }
 
-/// One load step of all parts.
+/// Newton's method in one load step of all parts.
 pub struct Corrector<'a, M> {
     pub model: &'a mut M,
     pub set: &'a ConstraintSet,
@@ -40,13 +42,13 @@ pub struct Corrector<'a, M> {
     pub all: &'a mut [PartProgress],
     /// Remaining motion of the prescribed DOFs; zero for free DOFs.
     pub ahead: Vec<f64>,
-    /// Parts whose forces or equations depend on prescribed DOFs that have yet to move.
+    /// For each part, whether its forces or equations depend on prescribed DOFs that have yet to move.
     pub awaits: Vec<bool>,
     /// The last configuration that could be evaluated; failed parts return to it.
     pub last_valid: Option<Unknowns>,
 }
 
-/// A correction of a part.
+/// A Newton correction of a part.
 pub struct Correction {
     pub part: usize,
     pub saddle: Saddle,
@@ -59,7 +61,7 @@ pub struct PartProgress {
     pub rows: PartRows,
     pub stage: PartStage,
     pub iterates: Vec<EquilibriumIterate>,
-    /// Length of the last step.
+    /// Length of the last step, 1 for a full correction.
     pub length: f64,
     /// DOFs of a motion without resistance, at the last iterate.
     pub loose: Option<Vec<usize>>,
@@ -157,7 +159,8 @@ impl<M: Model> Corrector<'_, M> {
         Ok(())
     }
 
-    /// Largest `eps |c_r| / rounding_r` of the kept rows.
+    /// The constraint residual of a part: the largest `eps |c_r| / rounding_r` of its kept rows, where `rounding_r` bounds the rounding of
+    /// the constraint value c_r.
     fn constraint(&self, part: usize) -> f64 {
         f64::EPSILON * self.state.constraint(&self.all[part].rows.list)
     }
@@ -176,7 +179,8 @@ impl<M: Model> Corrector<'_, M> {
         EquilibriumError::NoConvergence { factor: 0.0, tried: self.end.factor, force, constraint }
     }
 
-    /// The parts that need a correction. The others are done, or get the rows that are independent here because redundant ones do not hold.
+    /// The parts that need a correction. A converged part is done if its redundant rows hold; if not, it gets the rows that are independent
+    /// here.
     fn unbalanced(&mut self) -> Result<Vec<usize>, EquilibriumError> {
         let (mut unbalanced, mut choice) = (Vec::new(), None);
         for part in self.iterating() {
@@ -203,7 +207,7 @@ impl<M: Model> Corrector<'_, M> {
         self.parts.list[part].rows.iter().all(|&r| rows.kept(r) || holds(r))
     }
 
-    /// Analyses the rows where everything was evaluated last.
+    /// Analyses the rows at the configuration that was evaluated last.
     fn choose(&self) -> Result<std::sync::Arc<RowChoice>, EquilibriumError> {
         let before = self.all.iter().flat_map(|own| own.rows.list.iter().copied()).collect();
         let place = (self.set, self.parts);
@@ -242,14 +246,15 @@ impl<M: Model> Corrector<'_, M> {
         own.loose = motion;
         let mut rhs = self.rhs(part);
         if only_multipliers {
-            // Multipliers that balance the forces along the constraints, wherever these are.
+            // The multipliers are to balance the forces, although the constraints do not hold yet: the constraint values c count as zero.
             rhs[self.parts.list[part].free.len()..].fill(0.0);
         }
         let dx = saddle.solve(&rhs);
         Some(Correction { part, saddle, dx, only_multipliers })
     }
 
-    /// `-F = -[r; c]` on free DOFs and kept rows of a part, including the effect of prescribed DOFs that have yet to move.
+    /// The right-hand side `-[r; c]`: residual forces r on the free DOFs of a part, and constraint values c of its kept rows. It includes
+    /// the effect of prescribed DOFs that have yet to move.
     pub fn rhs(&self, part: usize) -> Vec<f64> {
         let (g, h, awaits) = (self.state.evaluation.g(), self.state.evaluation.h(), self.awaits[part]);
         let more = |start: f64, entries: &mut dyn Iterator<Item = (usize, f64)>| {
@@ -276,7 +281,7 @@ impl<M: Model> Corrector<'_, M> {
         self.awaits.fill(false);
     }
 
-    /// Moves a part along a correction.
+    /// Moves a part along a correction dx: the DOFs by the fraction t of it, the multipliers by the fraction `of_multipliers`.
     pub fn advance(&self, x: &mut Unknowns, part: usize, dx: &[f64], (t, of_multipliers): (f64, f64)) {
         let free = &self.parts.list[part].free;
         free.iter().zip(dx).for_each(|(&j, dx)| x.u[j] += t * dx);

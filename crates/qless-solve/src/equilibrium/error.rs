@@ -1,4 +1,4 @@
-//! Errors of an equilibrium. Most of them end a load step only, and a shorter step avoids them.
+//! Errors of an equilibrium. Most of them end only the current load step; a shorter step may avoid them.
 
 use std::error::Error;
 
@@ -14,11 +14,11 @@ pub enum EquilibriumError {
     /// The numbers of DOFs or equations do not match.
     #[error("there are {found} {what}, but the constraint set needs {expected}")]
     Size {
-        /// The list that does not match.
+        /// Name of the list with the wrong length.
         what: &'static str,
-        /// How many there are.
+        /// Length of the list.
         found: usize,
-        /// How many there should be.
+        /// Length that the list should have.
         expected: usize,
     },
     /// An option is out of range.
@@ -26,15 +26,15 @@ pub enum EquilibriumError {
     Option {
         /// Name of the option.
         what: &'static str,
-        /// Its value.
+        /// Value of the option.
         value: f64,
-        /// The allowed range.
+        /// The allowed range of the option, in words.
         range: &'static str,
     },
     /// The model adds a force to a DOF out of range.
     #[error("the model adds a force to DOF {dof}, but there are {dofs} DOFs; correct its list of DOFs")]
     Force {
-        /// The DOF.
+        /// The DOF that is out of range.
         dof: usize,
         /// Number of DOFs.
         dofs: usize,
@@ -62,9 +62,9 @@ pub enum EquilibriumError {
     NotFinite {
         /// Load factor of the last equilibrium.
         factor: f64,
-        /// The quantity.
+        /// Name of the quantity that is not finite.
         what: &'static str,
-        /// Its DOF or equation.
+        /// DOF or equation of the number that is not finite.
         at: usize,
     },
     /// Neither stiffness nor constraints resist some motion.
@@ -88,7 +88,7 @@ pub enum EquilibriumError {
         factor: f64,
         /// Label of the motor.
         label: String,
-        /// Angle in radians.
+        /// Angle of the turn, in radians.
         angle: f64,
     },
     /// The shortest load step moves a linkage so far that it may change to another branch.
@@ -116,7 +116,7 @@ pub enum EquilibriumError {
     Conflict {
         /// Load factor of the last equilibrium.
         factor: f64,
-        /// Their labels.
+        /// Labels of the equations that do not hold.
         labels: Vec<String>,
     },
     /// The constraints cannot be linearised.
@@ -124,7 +124,7 @@ pub enum EquilibriumError {
     System {
         /// Load factor of the last equilibrium.
         factor: f64,
-        /// What is wrong.
+        /// Why the constraints cannot be linearised.
         source: LineariseError,
     },
     /// The constraints cannot be analysed.
@@ -132,7 +132,7 @@ pub enum EquilibriumError {
     Analysis {
         /// Load factor of the last equilibrium.
         factor: f64,
-        /// What is wrong.
+        /// Why the constraints cannot be analysed.
         source: AnalysisError,
     },
     /// An argument has the wrong length or range.
@@ -158,7 +158,7 @@ pub enum EquilibriumError {
         "there is a load at DOF {dof}, the scalar part of Euler parameters; a moment has three components, which belong to the other three"
     )]
     Moment {
-        /// The DOF.
+        /// The DOF of the scalar part, which has the load.
         dof: usize,
     },
     /// The stiffness of the model is not the slope of its forces.
@@ -173,9 +173,9 @@ pub enum EquilibriumError {
         row: usize,
         /// Column of K, a DOF.
         column: usize,
-        /// The entry that the model adds up.
+        /// The value of this entry in the model's stiffness.
         given: f64,
-        /// The slope of the force.
+        /// The slope of the force of DOF `row`, by differences.
         difference: f64,
     },
     /// The saddle matrix cannot be factored, or memory is exhausted.
@@ -189,7 +189,7 @@ pub enum EquilibriumError {
 }
 
 impl EquilibriumError {
-    /// Fills in the load factor of the last equilibrium, which the place of the error does not know.
+    /// Fills in the load factor of the last equilibrium, which is not known where errors arise.
     pub(super) fn at(mut self, last: f64) -> Self {
         match &mut self {
             Self::Model { factor, .. }

@@ -1,6 +1,6 @@
 //! Step lengths by the natural monotonicity test (Deuflhard, Newton Methods for Nonlinear Problems, NLEQ-ERR): the next correction with the
-//! same matrix, `A^-1 F(x + t dx)`, is shorter than dx by the fraction `t / 4`. If a stiff direction bends (an axis, a rod), forces rise
-//! for a step although the error falls; a test of the residual would forbid that step.
+//! same tangent A and the residual F, `A^-1 F(x + t dx)`, is shorter than dx by the fraction `t / 4`. If a stiff direction bends (an axis,
+//! a rod), forces rise for a step although the error falls; a test of the residual would forbid that step.
 //!
 //! All parts try their lengths together. Parts that have found their length wait.
 
@@ -8,9 +8,10 @@ use super::corrector::{Correction, Corrector, PartStage};
 use super::state::Unknowns;
 use super::{EquilibriumError, Model};
 
-/// Smaller step lengths count as failure: a load step of this share is shorter, and Newton's method converges along it.
+/// A smaller step length counts as failure: a load step of the same fraction serves better, since Newton's method converges along it.
 const SHORTEST: f64 = 1e-4;
-/// Within this factor of the tolerance, rounding makes the test meaningless, and the next step, whose residual is about the square, ends.
+/// If residuals are within this factor of their tolerance, a full step is taken without a test. Rounding would make the test meaningless,
+/// and the next residual is about the square of this one.
 const NEAR: f64 = 1e3;
 
 /// A part that searches for its step length.
@@ -58,7 +59,7 @@ impl<M: Model> Corrector<'_, M> {
         Some(LengthSearch { size: step.saddle.length(&step.dx), step, t, found: near })
     }
 
-    /// One trial of all open searches; overwrites forces, c and G of x.
+    /// One trial of all open searches. It overwrites the evaluated forces, constraint values and Jacobian.
     fn attempt(&mut self, x: &Unknowns, searches: &mut [LengthSearch]) -> Result<(), EquilibriumError> {
         let mut trial = x.clone();
         let mut open: Vec<&mut LengthSearch> = searches.iter_mut().filter(|search| !search.found).collect();
@@ -79,7 +80,7 @@ impl<M: Model> Corrector<'_, M> {
         Ok(())
     }
 
-    /// Accepts the length if the next correction, `-A^-1 F(x + t dx)`, is short enough; otherwise chooses the next length.
+    /// Accepts the length t if the next Newton correction with the same tangent is short enough; otherwise chooses the next length.
     fn judge(&self, search: &mut LengthSearch) {
         let LengthSearch { step: Correction { part, saddle, dx, .. }, size, t, .. } = &*search;
         let (size, t) = (*size, *t);
@@ -96,7 +97,7 @@ impl<M: Model> Corrector<'_, M> {
         search.put(best.clamp(0.1 * t, 0.5 * t));
     }
 
-    /// The parts that the model rejects if they move alone from `before` to `now`, by bisection.
+    /// Finds by bisection the parts whose motion from `before` to `now` the model rejects, if each moves alone.
     fn rejected(&mut self, before: &[f64], now: &[f64], moved: &[usize]) -> Vec<usize> {
         let mut u = before.to_vec();
         moved.iter().flat_map(|&part| &self.parts.list[part].free).for_each(|&j| u[j] = now[j]);

@@ -8,16 +8,16 @@ use super::{Equilibrium, EquilibriumError};
 /// Start of a load path: an equilibrium, or a guess of one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Start {
-    /// DOFs.
+    /// Values of the DOFs at the start.
     pub u: Vec<f64>,
-    /// Multipliers; constraints without any start with zero.
+    /// Multipliers; a constraint that has none starts with zero.
     pub multipliers: PerConstraint,
-    /// The loads in equilibrium at the start, at load factor 0.
+    /// The loads at load factor 0, with which the start is in equilibrium.
     pub loads: Vec<f64>,
 }
 
 impl Start {
-    /// All zero.
+    /// A start with zero displacements, multipliers and loads.
     pub fn at_rest(set: &ConstraintSet) -> Self {
         let zeros = || vec![0.0; set.dofs()];
         Self { u: zeros(), multipliers: PerConstraint::default(), loads: zeros() }
@@ -27,11 +27,11 @@ impl Start {
 /// Target of a load path, at load factor 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target<'a> {
-    /// `f_ext`, one number per DOF. At the rotation of a body, these are the components of a moment in space: three for a rotation vector;
-    /// for Euler parameters, a zero and then the three components. Such a moment keeps its axis in space while the body turns; it has no
-    /// energy, so that the tangent is not symmetric ([`super::Stability::NotSymmetric`]).
+    /// External loads `f_ext`, one number per DOF. At the rotation of a body, these are the components of a moment in space: three for a
+    /// rotation vector; for Euler parameters, a zero and then the three components. Such a moment keeps its axis in space while the body
+    /// turns; it has no energy, so that the tangent is not symmetric ([`super::Stability::NotSymmetric`]).
     pub loads: &'a [f64],
-    /// DOFs and their values.
+    /// Prescribed DOFs and their values.
     pub prescribed: &'a [(usize, f64)],
 }
 
@@ -45,11 +45,12 @@ impl Equilibrium {
 /// Settings of [`super::solve`].
 #[derive(Clone, Debug)]
 pub struct EquilibriumOptions {
-    /// Largest `|r_j|` in equilibrium, relative to the sum of the sizes of its terms; rounding is allowed as well. Default 1e-10.
+    /// Largest residual force `|r_j|` in equilibrium, relative to the sum of the sizes of its terms; rounding is allowed as well. Default
+    /// 1e-10.
     pub tolerance: f64,
-    /// Tolerance of constraints, as [`crate::newton::NewtonOptions::tolerance`]. Default 4.
+    /// Tolerance of constraints in units of their rounding, as [`crate::newton::NewtonOptions::tolerance`]. Default 4.
     pub roundings: f64,
-    /// Most iterations of a part in one load step. Default 25.
+    /// Largest number of iterations of a part in one load step. Default 25.
     pub iterations: usize,
     /// The first load step, relative to the whole path. Default 1: a single step, if it works.
     pub first: f64,

@@ -47,7 +47,7 @@ impl<M: Model> Path<'_, M> {
         }
     }
 
-    /// All parts with the rows of the step; also sets their branches.
+    /// Prepares all parts for the step with the rows that they keep, and sets up their branch checks.
     fn origin(&mut self, prescribed: &[(usize, f64)]) -> Result<Vec<PartProgress>, EquilibriumError> {
         let (all, holds) = match self.rows.clone() {
             Some(rows) => (rows.into_iter().map(PartProgress::new).collect(), vec![true; self.parts.list.len()]),
@@ -67,8 +67,8 @@ impl<M: Model> Path<'_, M> {
     }
 
     /// Chooses the rows of each part at a configuration that satisfies its constraints: near the start, or else near the end of the step.
-    /// The second result tells for which parts there is one near the start, where the constraints are evaluated then. A part without any
-    /// starts with the rows that are independent where it is, or fails if its constraints conflict.
+    /// The second result tells which parts have such a configuration near the start; their constraints are then evaluated there. A part
+    /// without any such configuration takes the rows that are independent where it is, or fails if its constraints conflict.
     fn rows_at_start(
         &mut self,
         prescribed: &[(usize, f64)],
@@ -125,7 +125,8 @@ impl<M: Model> Path<'_, M> {
         solve_each((self.constraints.set(), &self.parts), &self.at.u, prescribed, &options)
     }
 
-    /// Iterates the parts that are not done. An error concerns the whole model; `before` is the last configuration that could be evaluated.
+    /// Iterates the parts that are not done. An error concerns the whole model; `last_valid` is the last configuration that could be
+    /// evaluated.
     fn attempt(
         &mut self,
         (x, last_valid): (&mut Unknowns, Option<Unknowns>),
@@ -180,7 +181,7 @@ impl<M: Model> Path<'_, M> {
         self.steps.push(LoadStep { factor, converged, branches_meet, iterates: side_by_side(&iterates) });
     }
 
-    /// Second attempt with the failed parts, or with all if the whole model failed; returns the remaining failure of the whole.
+    /// Second attempt with the failed parts, or with all if the whole model failed; returns the failure of the whole model, if it remains.
     ///
     /// The error of the first attempt is kept, unless the second one says more than missing convergence, or there is proof that the
     /// constraints have no solution.

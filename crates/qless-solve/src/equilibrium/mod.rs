@@ -61,9 +61,9 @@ use time_path::TimePath;
 /// residuals fall as `r_(k+1) <= C r_k^2`.
 ///
 /// DOFs that constraints and prescribed DOFs determine, such as a linkage with a prescribed crank, stay on the branch of the start. A load
-/// step is shortened if G changes by more than half of what would make it singular. Newton's method chooses the branch only if two branches
-/// meet, or if a change of G by less than 1/200 of its entries may lead to the other one; [`LoadStep::branches_meet`] then says so.
-/// Equilibria that depend on stiffness are those that Newton's method finds.
+/// step is shortened if the constraint Jacobian G changes by more than half of what would make it singular. Newton's method chooses the
+/// branch only if two branches meet, or if a change of G by less than 1/200 of its entries may lead to the other one;
+/// [`LoadStep::branches_meet`] then says so. Equilibria that depend on stiffness are those that Newton's method finds.
 ///
 /// ```
 /// use qless_solve::equilibrium::{Assembly, EquilibriumOptions, Model, Start, Target, solve};

@@ -44,8 +44,8 @@ pub trait Model {
     /// Any error of an element at this u, such as an inverted volume. The load step is then shortened.
     fn assemble(&mut self, u: &[f64], out: &mut Assembly) -> Result<(), Box<dyn Error + Send + Sync>>;
 
-    /// Size of the number to which DOF `dof` is added: the largest coordinate of its node, in the unit of the DOF. The effect of its last
-    /// place on the forces counts as rounding. Default 0.
+    /// Size of the coordinate that DOF `dof` is added to: the largest coordinate of its node, in the unit of the DOF. The effect of the
+    /// last place of this number on the forces counts as rounding. Default 0.
     fn coordinate(&self, dof: usize) -> f64 {
         let _ = dof;
         0.0
@@ -67,9 +67,9 @@ pub(super) enum AssemblyFault {
 /// Sums of forces and stiffness, with the sizes of their terms.
 #[derive(Clone, Debug)]
 pub struct Assembly {
-    /// `f_int`.
+    /// Internal forces `f_int`.
     pub(super) force: Vec<f64>,
-    /// `sum |terms|` of `f_int`.
+    /// For each DOF, the sum of the absolute terms of `f_int`.
     pub(super) terms: Vec<f64>,
     stiffness: Csr,
     wanted: bool,
@@ -77,7 +77,7 @@ pub struct Assembly {
 }
 
 impl Assembly {
-    /// Zeros in the pattern of a model; an entry out of range is recorded as a fault.
+    /// Creates zero sums in the pattern of a model; an entry out of range is recorded as a fault.
     pub(super) fn new(model: &impl Model) -> Self {
         let (n, mut rows, mut fault) = (model.dofs(), vec![Vec::new(); model.dofs()], None);
         model.pattern(&mut |i, j| match rows.get_mut(i) {
@@ -133,7 +133,7 @@ impl Assembly {
         self.wanted
     }
 
-    /// Whether the model has stiffness or a force at each DOF.
+    /// For each DOF, whether the model has stiffness or a force there.
     pub(super) fn known(&self) -> Vec<bool> {
         let mut known: Vec<bool> = self.terms.iter().map(|&size| size != 0.0).collect();
         for i in 0..known.len() {

@@ -1,4 +1,5 @@
-//! Load steps: `f_ext = f_0 + s (f_1 - f_0)`, `u_p = u_p0 + s (v - u_p0)`, `t = t_0 + s (t_1 - t_0)`, with s from 0 to 1.
+//! Load steps: `f_ext = f_0 + s (f_1 - f_0)`, `u_p = u_p0 + s (v - u_p0)`, `t = t_0 + s (t_1 - t_0)`, with s from 0 to 1 and the prescribed
+//! values v of the target.
 //!
 //! A step that fails twice is shortened to a quarter; after an easy step the next one is twice as long, or as long as its branch check
 //! allows. Time and history belong to the whole model, so that all parts share their steps; the part with the hardest step determines the
@@ -69,7 +70,7 @@ impl<'a, M: Model> Path<'a, M> {
         let elements = (0..n).map(|i| std::iter::once(i).chain(state.assembly.row(i).map(|(j, _)| j)).collect());
         let is_held = |j: &usize| target.prescribed.iter().any(|(held, _)| held == j);
         let vectors = set.rotation_vectors().into_iter().filter(|vector| !vector.iter().any(is_held));
-        // A prescribed DOF joins no DOFs through its stiffness.
+        // The stiffness of a prescribed DOF does not join other DOFs to one part.
         let mut held = vec![false; n];
         target.prescribed.iter().for_each(|&(j, _)| held[j] = true);
         let elements = elements.enumerate().filter(|(i, _)| !held[*i]).map(|(_, row): (_, Vec<usize>)| row);
@@ -174,7 +175,7 @@ impl<'a, M: Model> Path<'a, M> {
         wrong.map_or(error, WrongEntry::into_error)
     }
 
-    /// Factor for the length of the next step. A step was easy if it took a third of the iterations.
+    /// Factor for the length of the next step. A step was easy if it took at most a third of the allowed iterations.
     fn longer(&self) -> f64 {
         let easy = self.tracks.iter().all(|track| 3 * track.iterates <= self.options.iterations);
         let growths = self.tracks.iter().map(|track| track.branch_check.growth());
@@ -221,7 +222,7 @@ fn check(dofs: usize, set: &ConstraintSet, start: &Start, target: &Target) -> Re
             return Err(EquilibriumError::NotFinite { factor: 0.0, what, at });
         }
     }
-    // The scalar part of Euler parameters has no component of a moment.
+    // A moment has no component at the scalar part of Euler parameters, so that no load is allowed there.
     let scalar = |dofs: Vec<usize>| (dofs.len() == 4).then(|| dofs[0]);
     let mut scalars = set.rotations().filter_map(scalar);
     if let Some(dof) = scalars.find(|&dof| start.loads[dof] != 0.0 || target.loads[dof] != 0.0) {

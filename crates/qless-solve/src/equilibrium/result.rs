@@ -7,10 +7,11 @@ use super::Stability;
 /// One iterate, with its residuals.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EquilibriumIterate {
-    /// `max_j |r_j|` over the free DOFs, relative to the sizes of its terms or to what rounding allows.
+    /// Largest residual force `|r_j|` of the free DOFs, relative to the sizes of its terms or to what rounding allows.
     pub force: f64,
-    /// `max_r eps |c_r| / rounding_r` over the kept rows, relative to the sizes of the terms of c. If c no longer falls, it may be relative
-    /// to the largest terms of its part, or to the rounding of forces: the effect on forces of a motion that removes c_r then counts.
+    /// `max_r eps |c_r| / rounding_r` over the kept rows: the constraint values c_r relative to the sizes of their terms. If they no longer
+    /// fall, they may be compared with the largest terms of the part instead, or with the rounding of forces; the force change of a motion
+    /// that removes c_r then counts.
     pub constraint: f64,
     /// Step length that led to this iterate: 1 for a full correction, 0 if only multipliers changed. This is the smallest of the connected
     /// parts that moved; the other fields are the largest of all parts.
@@ -37,10 +38,10 @@ pub struct LoadStep {
 /// An equilibrium.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Equilibrium {
-    /// DOFs.
+    /// Displacements of all DOFs.
     pub u: Vec<f64>,
-    /// One per equation, in units of force times displacement per unit of c; 0 for redundant equations. Each multiplier belongs to its
-    /// constraint, also after other constraints are added or removed.
+    /// Multipliers, one per equation, in units of force times displacement per unit of the constraint value; 0 for redundant equations.
+    /// Each multiplier belongs to its constraint, also after other constraints are added or removed.
     pub multipliers: PerConstraint,
     /// `f_int + G^T lambda - f_ext` at prescribed DOFs, the support forces; one per DOF, zero elsewhere. At rotations of bodies, moments in
     /// space, as in [`super::Target::loads`].
@@ -50,11 +51,11 @@ pub struct Equilibrium {
     pub constraint_forces: Vec<f64>,
     /// Redundant equations, which have no multiplier.
     pub redundant: Vec<usize>,
-    /// Result of the check that [`super::EquilibriumOptions::stability`] asks for. [`Stability::Stable`] if all connected parts are stable;
-    /// the unstable directions of all parts are added up; not symmetric or undecided if one part is.
+    /// Result of the check that [`super::EquilibriumOptions::stability`] asks for: [`Stability::Stable`] if all connected parts are stable.
+    /// The unstable directions of all parts are added up. If one part is not symmetric or undecided, so is the result.
     pub stability: Option<Stability>,
     /// All attempted load steps, including failed ones.
     pub steps: Vec<LoadStep>,
-    /// The loads in equilibrium.
+    /// The loads with which the model is in equilibrium.
     pub loads: Vec<f64>,
 }

@@ -15,14 +15,14 @@ use crate::newton::{Parts, Place, Scales, analyse_rows};
 /// Independent equations at one configuration.
 #[derive(Debug)]
 pub struct RowChoice {
-    /// Units of the columns of G.
+    /// Units of the columns of the constraint Jacobian G.
     units: Vec<f64>,
     /// The analysis, which has the certificates of redundant rows.
     analysis: Analysis,
 }
 
 impl RowChoice {
-    /// Analyses G as evaluated in `evaluation`; rows in `before` are preferred.
+    /// Analyses the constraint Jacobian G in `evaluation`; rows in `before` are preferred.
     pub fn new(
         (set, parts): (&ConstraintSet, &Parts),
         evaluation: &Evaluation,
@@ -30,7 +30,7 @@ impl RowChoice {
         (options, mut before): (&EquilibriumOptions, Vec<usize>),
     ) -> Result<Arc<Self>, EquilibriumError> {
         let mut still = evaluation.clone();
-        // Only the rank is needed.
+        // The rank depends on the Jacobian only, so that the constraint values c are cleared.
         still.clear_values();
         let mut settings = options.analysis.clone();
         before.sort_unstable();
@@ -58,7 +58,7 @@ impl PartRows {
         Self { list, choice: choice.clone() }
     }
 
-    /// Units of the columns of G.
+    /// Units of the columns of the constraint Jacobian G.
     pub fn units(&self) -> &[f64] {
         &self.choice.units
     }
@@ -67,7 +67,7 @@ impl PartRows {
         self.list.binary_search(&row).is_ok()
     }
 
-    /// `(c_k, k)` of a redundant row, `row = sum c_k row_k`; empty for others.
+    /// The certificate `(c_k, k)` of a redundant row, `row = sum c_k row_k`; empty for other rows.
     pub fn certificate(&self, row: usize) -> impl Iterator<Item = (f64, usize)> {
         let because = self.choice.analysis.because(row).unwrap_or_default();
         because.into_iter().map(|term| (term.coefficient, term.row))

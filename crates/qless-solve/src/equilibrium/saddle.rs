@@ -12,9 +12,10 @@ use faer::sparse::{SymbolicSparseColMat, Triplet};
 
 use crate::common::{SparseMatrix, random, times};
 
-/// Passes of scaling by square roots of the largest entries. Each pass halves the exponents, which have 10 bits.
+/// Number of passes of scaling by square roots of the largest entries. Each pass halves the exponents, which have 10 bits.
 const ROUNDS: usize = 10;
-/// A singular value below this, about 50 units in the last place, is rounding of the factors; the largest entries are one.
+/// A singular value of the scaled matrix below this, about 50 units in the last place, is rounding of the factors; the largest entries are
+/// one.
 pub const SINGULAR: f64 = 1e-14;
 /// A DOF takes part in a motion if it moves by at least this fraction of the largest. It only decides which DOFs an error names.
 const MOVES: f64 = 0.1;
@@ -25,7 +26,7 @@ pub struct SaddleEntries {
     pub units: Vec<f64>,
     /// Number of DOFs.
     pub free: usize,
-    /// Number of entries of the model's stiffness, which come first.
+    /// Number of entries of the model's stiffness, which come first in `list`.
     pub stiff: usize,
     pub list: Vec<(usize, usize, f64)>,
 }
@@ -33,10 +34,10 @@ pub struct SaddleEntries {
 /// The scaled matrix with its factors.
 pub struct Saddle {
     scale: Vec<f64>,
-    /// `A = D (saddle) D`.
+    /// The scaled matrix `A = D (saddle) D` with the scales D.
     pub a: SparseMatrix,
     lu: Lu<usize, f64>,
-    /// The unit vector y with the smallest `|A y|`, and this length.
+    /// The unit vector y with the smallest `|A y|`, and this smallest length; A is the scaled matrix.
     pub softest: (Vec<f64>, f64),
 }
 
@@ -55,7 +56,7 @@ impl Saddle {
         let lu = pattern.factors(&a)?;
         let softest = match inverse_iteration(&lu, size) {
             Some(found) => found,
-            // A pivot is zero. A small shift gives the same vector.
+            // A pivot is zero: factors of a slightly shifted matrix give the same vector.
             None => (inverse_iteration(&pattern.factors(&matrix(SINGULAR)?)?, size).unwrap_or_default().0, 0.0),
         };
         Ok(Self { scale, a, lu, softest })
@@ -70,12 +71,12 @@ impl Saddle {
         y.iter().zip(&self.scale).map(|(y, d)| y * d).collect()
     }
 
-    /// `|D^-1 x|`.
+    /// Norm `|D^-1 x|` of a correction x in the scales D.
     pub fn length(&self, x: &[f64]) -> f64 {
         x.iter().zip(&self.scale).fold(0.0, |sum: f64, (x, d)| sum.hypot(x / d))
     }
 
-    /// `D (saddle) D y` for another saddle matrix, with the scales of this one.
+    /// The product `D (saddle) D y` for another saddle matrix, with the scales D of this one.
     pub fn applied(&self, entries: &SaddleEntries, y: &[f64]) -> Vec<f64> {
         let mut sum = vec![0.0; y.len()];
         entries.list.iter().for_each(|&(i, j, v)| sum[i] += self.scale[i] * v * self.scale[j] * y[j]);
@@ -91,7 +92,7 @@ fn inverse(lu: &Lu<usize, f64>, b: &[f64]) -> Vec<f64> {
     (0..b.len()).map(|i| x[(i, 0)]).collect()
 }
 
-/// The unit vector y with the smallest `|A y|`, and this length; none if a pivot is zero.
+/// The unit vector y with the smallest `|A y|` for the factored matrix A, and this length; none if a pivot is zero.
 fn inverse_iteration(lu: &Lu<usize, f64>, n: usize) -> Option<(Vec<f64>, f64)> {
     let unit = |x: Vec<f64>| -> (Vec<f64>, f64) {
         let size = norm(&x);
@@ -157,7 +158,7 @@ pub fn norm(x: &[f64]) -> f64 {
 pub struct SaddlePattern(Option<(SymbolicSparseColMat<usize>, SymbolicLu<usize>)>);
 
 impl SaddlePattern {
-    /// Factors a matrix.
+    /// Factors a matrix; the symbolic factors are used again while the pattern stays the same.
     fn factors(&mut self, a: &SparseMatrix) -> Result<Lu<usize, f64>, String> {
         let now = a.symbolic();
         let is_same = |of: &SymbolicSparseColMat<usize>| of.col_ptr() == now.col_ptr() && of.row_idx() == now.row_idx();

@@ -18,13 +18,14 @@ use faer::{Conj, MatMut, Par, Side, Spec};
 use super::saddle::norm;
 use crate::common::{SparseMatrix, random, times};
 
-/// Values of s to try, for entries of size one: with a large s, M differs much from A; with a small s, the stiffness is lost to rounding.
-/// The middle of both is the square root of the rounding.
+/// Values to try for the shift s of the saddle matrix A to M, for entries of size one. With a large s, M differs much from A; with a small
+/// s, the stiffness is lost to rounding. Values near the square root of eps avoid both.
 const SHIFTS: [f64; 4] = [1e-6, 1e-8, 1e-4, 1e-10];
-/// Most terms of `G^T G` per entry of A; an equation with all DOFs would make it a full matrix. At a hundred, memory is still that of a
-/// factorization.
+/// Limit for the number of terms of `G^T G`, relative to the entries of the saddle matrix A. An equation with all DOFs would make `G^T G` a
+/// full matrix. At a hundred, memory is still that of a factorization.
 const FILL: usize = 100;
-/// Powers of `M^-1 (M - A)`. They prove the inertia if the spectral radius is below a third.
+/// Number of applications of `M^-1 (M - A)`, where M is the shifted saddle matrix A. They prove the inertia if each shrinks a vector to
+/// less than a third.
 const POWERS: i32 = 6;
 
 /// Whether the energy has a minimum at an equilibrium, among the motions that the constraints allow.
@@ -33,9 +34,9 @@ const POWERS: i32 = 6;
 pub enum Stability {
     /// The tangent is positive definite on the admissible motions.
     Stable,
-    /// The tangent has negative directions.
+    /// The tangent has negative eigenvalues on the admissible motions.
     Unstable {
-        /// Number of independent motions that lower the energy: negative eigenvalues of `Z^T (K + H) Z`, `G Z = 0`.
+        /// Number of independent motions that lower the energy: negative eigenvalues of the tangent on the admissible motions.
         directions: usize,
     },
     /// The tangent is not symmetric, so that there is no energy.
@@ -45,7 +46,7 @@ pub enum Stability {
 }
 
 impl Stability {
-    /// Stability of a model from that of its parts; one undecided part makes all undecided.
+    /// Stability of a model from that of its parts; one part that is not symmetric or undecided makes the model so.
     pub(super) fn of_parts(parts: impl Iterator<Item = Self>) -> Self {
         parts.fold(Self::Stable, |all, part| match (all, part) {
             (Self::NotSymmetric, _) | (_, Self::NotSymmetric) => Self::NotSymmetric,
@@ -80,7 +81,7 @@ fn symmetric(a: &SparseMatrix) -> bool {
     (0..a.ncols()).all(|j| column(j).all(|(i, v)| (v - other(j, i)).abs() <= f64::EPSILON.sqrt()))
 }
 
-/// `K + H + G^T G / s = L D L^T`.
+/// Factors `K + H + G^T G / s = L D L^T`, with the tangent K + H, the constraint Jacobian G and the shift s.
 struct InertiaFactors {
     free: usize,
     shift: f64,
@@ -104,7 +105,7 @@ impl InertiaFactors {
         Some(Self { free, shift, symbolic, values })
     }
 
-    /// The number of negative pivots, if it is proven to be that of `Z^T (K + H) Z`.
+    /// The number of negative pivots, if it is proven to be the number of negative eigenvalues of the tangent on the admissible motions.
     fn proven(&self, a: &SparseMatrix) -> Option<usize> {
         let mut x: Vec<f64> = (0..a.ncols() as u64).map(random).collect();
         let before = norm(&x);
@@ -117,7 +118,8 @@ impl InertiaFactors {
         (norm(&x) <= before * 3_f64.powi(-POWERS)).then(|| pivots.filter(|pivot| *pivot < 0.0).count())
     }
 
-    /// `M^-1 b`: `x = (K + H + G^T G / s)^-1 (b_1 + G^T b_2 / s)`, `y = (G x - b_2) / s`.
+    /// `M^-1 b` for the shifted saddle matrix `M = [K + H, G^T; G, -s I]`: `x = (K + H + G^T G / s)^-1 (b_1 + G^T b_2 / s)`,
+    /// `y = (G x - b_2) / s`.
     fn solve(&self, a: &SparseMatrix, b: &[f64]) -> Option<Vec<f64>> {
         let (motion, rows) = b.split_at(self.free);
         let mut whole = [&vec![0.0; self.free][..], rows].concat();
@@ -135,10 +137,10 @@ impl InertiaFactors {
     }
 }
 
-/// The upper half of `K + H + G^T G / s`; none if it would have too many entries.
+/// The upper half of `K + H + G^T G / s`, from the saddle matrix `a`; none if it would have too many entries.
 fn stiffened(a: &SparseMatrix, free: usize, shift: f64) -> Option<SparseMatrix> {
     let column = |j: usize| a.symbolic().row_idx_of_col(j).zip(a.val_of_col(j));
-    // The columns of kept rows form `G^T`.
+    // In the saddle matrix, the columns after the DOFs hold `G^T`.
     let rows = free..a.ncols();
     let terms: usize = rows.clone().map(|r| a.symbolic().row_idx_of_col(r).len().pow(2)).sum();
     if terms > FILL * a.compute_nnz() {

@@ -1,4 +1,4 @@
-//! f_int, K, c, G and H at one configuration, and the residual `r = f_int + G^T lambda - f_ext`.
+//! Evaluates f_int, K, c, G and H at one configuration, and the residual `r = f_int + G^T lambda - f_ext`.
 
 use qless::Csr;
 use qless_constraints::{ConstraintSet, Evaluation, Rounding};
@@ -21,18 +21,19 @@ pub struct Unknowns {
 pub struct EquilibriumState {
     pub assembly: Assembly,
     pub evaluation: Evaluation,
-    /// `f_int + G^T lambda - f_ext` at all DOFs.
+    /// The residual forces `f_int + G^T lambda - f_ext` at all DOFs.
     pub residual: Vec<f64>,
-    /// `sum |terms|` of the residual.
+    /// For each DOF, the sum of the absolute terms of its residual force.
     pub terms: Vec<f64>,
-    /// Effect of rounding of u and G on the residual.
+    /// Effect of the rounding of u and of the constraint Jacobian G on the residual forces.
     rounding: Vec<f64>,
     /// Stiffness of moments that are fixed in space: entries `(i, j, -d f_i / du_j)`, sorted by row. Their generalised forces f depend on
     /// u, because the moments rotate relative to the body.
     moments: Vec<(usize, usize, f64)>,
-    /// `|c_r|` in roundings of its own terms. If c no longer falls, the rounding of coordinates or of forces may count instead.
+    /// The constraint value `|c_r|` of each equation in units of the rounding of its terms. If c no longer falls, the rounding of
+    /// coordinates or of forces may count instead.
     pub constraints: Vec<f64>,
-    /// Bounds on the rounding of c and G.
+    /// Bounds on the rounding of the constraint values c and their Jacobian G.
     of_constraints: Option<Rounding>,
 }
 
@@ -55,7 +56,7 @@ impl EquilibriumState {
         })
     }
 
-    /// Evaluates the residual and c only, for trial points.
+    /// Evaluates only the residual forces and the constraint values c, for trial points.
     pub fn balance(
         &mut self,
         model: &mut impl Model,
@@ -69,7 +70,8 @@ impl EquilibriumState {
         self.sum(set, at, loads)
     }
 
-    /// Evaluates f_int, K, c, G and H.
+    /// Evaluates the forces f_int and their stiffness K, the constraint values c and their Jacobian G, and the stiffness H of the
+    /// constraints.
     pub fn evaluate(
         &mut self,
         model: &mut impl Model,
@@ -92,7 +94,8 @@ impl EquilibriumState {
         Ok(())
     }
 
-    /// Measures c of parts anew in which it no longer falls: what is left of c may be rounding of other rows or of forces.
+    /// Measures the constraint values c again in the parts `settled`, where they no longer fall: the rest may be rounding of other rows or
+    /// of forces.
     pub fn settle(&mut self, set: &ConstraintSet, parts: &Parts, settled: &[usize]) -> Result<(), EquilibriumError> {
         let Some(rounding) = self.of_constraints.as_ref().filter(|_| !settled.is_empty()) else { return Ok(()) };
         let weights = Scales::new(set, &self.evaluation, rounding, parts).weights;
@@ -104,9 +107,9 @@ impl EquilibriumState {
         Ok(())
     }
 
-    /// For each row, the force change of the cheapest motion that removes c_r, `min_j |c_r / G_rj| K_jj^1/2 / max_i terms_i K_ii^-1/2`, in
-    /// units in the last place. If it is small, c_r is negligible, however small its own terms are; those of a support `u_0 = 0` vanish
-    /// with u_0.
+    /// For each row, the change of forces by the cheapest motion that removes c_r, in units in the last place of the largest force:
+    /// `min_j |c_r / G_rj| K_jj^1/2 / max_i terms_i K_ii^-1/2`. If it is small, c_r is negligible even if its own terms are small, as those
+    /// of a support `u_0 = 0` are if u_0 vanishes.
     fn in_forces(&self, part: &Part) -> Vec<f64> {
         let stiffness = |j: usize| self.assembly.row(j).find(|&(k, _)| k == j).map_or(0.0, |(_, v)| v.abs().sqrt());
         let sizes = part.free.iter().map(|&j| (stiffness(j), self.terms[j])).filter(|(stiffness, _)| *stiffness > 0.0);
@@ -120,7 +123,7 @@ impl EquilibriumState {
         part.rows.iter().map(of_row).collect()
     }
 
-    /// The stiffness of moments in a row.
+    /// The entries of row i in the stiffness of moments that are fixed in space.
     pub fn moments_of(&self, i: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
         let first = self.moments.partition_point(|&(row, ..)| row < i);
         self.moments[first..].iter().take_while(move |&&(row, ..)| row == i).map(|&(_, j, v)| (j, v))
@@ -144,7 +147,7 @@ impl EquilibriumState {
         Ok(())
     }
 
-    /// Fails if a force, its stiffness or c of a part is not finite. Stiffness is that of the last full evaluation.
+    /// Fails if a force, its stiffness or a constraint value of a part is not finite. Stiffness is that of the last full evaluation.
     pub fn finite(&self, part: &Part) -> Result<(), EquilibriumError> {
         finite("the force", part.free.iter().map(|&j| (j, self.residual[j])))?;
         finite("the constraint value", part.rows.iter().map(|&r| (r, self.evaluation.c()[r])))?;
@@ -170,7 +173,8 @@ impl EquilibriumState {
         }
     }
 
-    /// `max |r_j| / (terms_j + rounding_j / tolerance)` over the free DOFs; at most the tolerance in equilibrium.
+    /// The largest relative residual force, `max |r_j| / (terms_j + rounding_j / tolerance)` over the free DOFs; at most the tolerance in
+    /// equilibrium.
     pub fn force(&self, free: &[usize], tolerance: f64) -> f64 {
         let relative = |&j: &usize| {
             let size = self.terms[j] + self.rounding[j] / tolerance;
@@ -190,7 +194,7 @@ impl EquilibriumState {
         left.abs() <= limit
     }
 
-    /// The largest `|c_r|` of the given rows, in roundings.
+    /// The largest constraint value `|c_r|` of the given rows, in units of rounding.
     pub fn constraint(&self, rows: &[usize]) -> f64 {
         rows.iter().map(|&r| self.constraints[r]).fold(0.0, f64::max)
     }
@@ -213,7 +217,7 @@ fn finite(what: &'static str, mut numbers: impl Iterator<Item = (usize, f64)>) -
     bad.map_or(Ok(()), |(at, _)| Err(EquilibriumError::NotFinite { factor: 0.0, what, at }))
 }
 
-/// `G^T lambda`.
+/// `G^T lambda`, where G is the constraint Jacobian and lambda holds the multipliers.
 pub fn constraint_forces(g: &Csr, multipliers: &[f64]) -> Vec<f64> {
     let mut forces = vec![0.0; g.cols()];
     for (r, lambda) in multipliers.iter().enumerate() {

@@ -1,13 +1,15 @@
 //! Tangents of one iterate, over kept rows that are independent there, and the check that they support the model.
 //!
 //! Rows that were independent where they were chosen may be dependent elsewhere; rows that differ only by the rounding of G are always
-//! dependent. The null vector of the tangent shows which rows these are; the last of them is left out. Whether it holds is checked at the end.
+//! dependent. The null vector of the tangent shows which rows these are; the last of them is left out. The end of the iteration checks
+//! whether this row holds.
 //!
 //! In equilibrium the tangent must resist every admissible motion by more than rounding. A bar without force, for example, has a transverse
 //! stiffness from the rounding of its strain.
 //!
-//! Let y be the vector with the smallest `|A y|`, and A' the tangent after a change of u and lambda by their next correction, and of u in
-//! its last places. The support is rounding if `|A' y - A y| > |A y| / 10`: then not one digit of it is known. Cost: two evaluations.
+//! Let A be the scaled tangent, y the vector with the smallest `|A y|`, and A' the tangent after a change of u and lambda by their next
+//! correction, and of u in its last places. The support is rounding if `|A' y - A y| > |A y| / 10`: then not one digit of it is known.
+//! Cost: two evaluations.
 
 use super::corrector::Corrector;
 use super::saddle::{SINGULAR, Saddle, SaddleEntries, largest, norm};
@@ -15,11 +17,11 @@ use super::state::{ULPS, Unknowns};
 use super::{EquilibriumError, Model};
 use crate::common::{HALF_DIGITS, random, times};
 
-/// Added to the scaled diagonal if the tangent is singular. The motion without resistance then moves a thousand times as far as it would
-/// against the stiffness of the model: the step-length search shortens it.
+/// This number is added to the scaled diagonal if the tangent is singular. The motion without resistance then moves a thousand times as far
+/// as it would against the stiffness of the model: the step-length search shortens it.
 const ADDED: f64 = 1e-3;
 
-/// Rows are dependent, but it is not known which.
+/// Message if rows are dependent, but it is not known which.
 const NO_FACTORS: &str =
     "it is singular, and its factorization fails even after regularisation; look for dependent equations";
 
@@ -27,7 +29,8 @@ const NO_FACTORS: &str =
 type RegularTangent = (Saddle, Option<Vec<usize>>);
 
 impl<M: Model> Corrector<'_, M> {
-    /// The factored tangent of a part at the last evaluation, over independent rows; one without resistance to a motion is regularised.
+    /// The factored tangent of a part at the last evaluation, over independent rows. A tangent that does not resist some motion is
+    /// regularised.
     pub fn regular_tangent(&mut self, part: usize) -> Result<RegularTangent, EquilibriumError> {
         loop {
             let entries = self.entries(part);
@@ -49,7 +52,7 @@ impl<M: Model> Corrector<'_, M> {
         }
     }
 
-    /// The DOFs that move most in y; none if multipliers dominate it.
+    /// The DOFs that move most in the vector y; none if multipliers dominate y.
     fn motion(&self, part: usize, y: &[f64]) -> Vec<usize> {
         let free = &self.parts.list[part].free;
         let size = |y: &[f64]| y.iter().fold(0.0, |most: f64, y| most.max(y.abs()));
@@ -81,8 +84,8 @@ impl<M: Model> Corrector<'_, M> {
         SaddleEntries { units, free: free.len(), stiff, list }
     }
 
-    /// The tangents of parts in equilibrium. A part fails if its tangent does not resist every admissible motion.
-    /// A motion that is resisted by more than half of the digits needs no check.
+    /// The tangents of parts in equilibrium. A part fails if its tangent does not resist every admissible motion. A part needs no check if
+    /// the smallest singular value of its scaled tangent is above half of the digits.
     pub fn check_support(&mut self, parts: &[usize], x: &Unknowns) -> Result<Vec<(usize, Saddle)>, EquilibriumError> {
         let (mut firm, mut found, mut off) = (Vec::new(), Vec::new(), x.clone());
         for &part in parts {

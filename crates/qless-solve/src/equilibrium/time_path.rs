@@ -6,8 +6,8 @@ use qless_constraints::{ConstraintSet, TimeError};
 
 use super::EquilibriumError;
 
-/// Largest turn of a motor in one load step. c alone would allow almost half a turn, but Newton's method changes to another branch earlier:
-/// an eighth of that is far from there.
+/// Largest turn of a motor in one load step. The constraint values alone would allow almost half a turn, but Newton's method changes to
+/// another branch earlier. An eighth of half a turn is far below that.
 const FARTHEST: f64 = PI / 8.0;
 
 /// The constraint set of a path.
@@ -28,7 +28,7 @@ impl TimePath<'_> {
 
     /// Sets the time of a load factor; fails if a motor turns too far from the last equilibrium.
     ///
-    /// c sees an angle modulo 2 pi, so that steps have to stay below pi.
+    /// The constraint values see an angle modulo 2 pi, so that steps have to stay below pi.
     pub fn advance_to(&mut self, factor: f64) -> Result<(), EquilibriumError> {
         let before = self.set().angles();
         self.set_factor(factor)?;

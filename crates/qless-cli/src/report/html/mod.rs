@@ -32,7 +32,7 @@ struct PageData<'a> {
     picture: Picture,
 }
 
-/// The page.
+/// Renders the page: the template with its data.
 pub fn render(diagnosis: &Diagnosis, report: &Report, outcome: &CommandOutcome) -> Result<String, serde_json::Error> {
     let input = &diagnosis.args.input;
     let repairs = RepairWords::all(report);
@@ -53,7 +53,7 @@ pub fn render(diagnosis: &Diagnosis, report: &Report, outcome: &CommandOutcome) 
 
 /// Escapes JSON for a script element, so that no label ends the script or opens a comment.
 fn in_script(json: &str) -> String {
-    // In JSON, these characters occur in strings only.
+    // In JSON, these characters occur in strings only, where escapes are allowed.
     [('<', "\\u003c"), ('>', "\\u003e"), ('&', "\\u0026"), ('\u{2028}', "\\u2028"), ('\u{2029}', "\\u2029")]
         .into_iter()
         .fold(json.to_owned(), |json, (found, escaped)| json.replace(found, escaped))

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use crate::diagnose::Diagnosis;
 
-/// Most cells of the pattern along each side.
+/// Largest number of cells along each side of the picture of the pattern.
 const CELLS: usize = 160;
 /// Limit on the nodes drawn besides those of dependent equations and their explanations. They show the shape of the model.
 const OTHERS: usize = 5000;
@@ -28,7 +28,7 @@ pub struct Picture {
 #[derive(Serialize)]
 struct Spy {
     cells: usize,
-    /// Row, column, and 0 for independent, 1 for redundant, 2 for conflicting equations.
+    /// Cells with coefficients: row, column, and the worst kind of their equations: 0 independent, 1 redundant, 2 conflicting.
     dots: Vec<(usize, usize, u8)>,
 }
 

@@ -28,7 +28,7 @@ pub fn lines(
     }
     let piece = |(k, member): (usize, &Member)| piece((equations, system), *member, k == 0);
     let fill = |members: &[Member]| {
-        // No line holds more than ten members.
+        // No line holds more than ten members, so that further ones are not needed.
         let pieces: Vec<String> = members.iter().take(10 * most).enumerate().map(piece).collect();
         flow(&head, "      ", &pieces, (most, COLUMNS), TAIL)
     };
@@ -56,7 +56,7 @@ fn largest(equations: &dyn EquationLookup, members: &[Member]) -> Vec<Member> {
     keyed.into_iter().map(|(_, member)| member).collect()
 }
 
-/// ` + 2 * row 3 "tie A/B"`.
+/// A member with its sign and coefficient: ` + 2 * row 3 "tie A/B"`.
 fn piece(lookup: (&dyn EquationLookup, Option<&ConstraintSystem>), member: Member, is_first: bool) -> String {
     let name = name(lookup, member);
     let coefficient = member.coefficient();
@@ -68,7 +68,7 @@ fn piece(lookup: (&dyn EquationLookup, Option<&ConstraintSystem>), member: Membe
     format!(" {sign} {} * {name}", number(coefficient.abs()))
 }
 
-/// `row 3 "tie A/B"`, or `[4:1 = 0.5, line 17 *BOUNDARY]`.
+/// The name of a member: `row 3 "tie A/B"`, or `[4:1 = 0.5, line 17 *BOUNDARY]`.
 pub fn name((equations, system): (&dyn EquationLookup, Option<&ConstraintSystem>), member: Member) -> String {
     match (member, system) {
         (Member::Equation { row, .. }, _) => wording::equation(equations, row),
@@ -84,11 +84,11 @@ pub fn name((equations, system): (&dyn EquationLookup, Option<&ConstraintSystem>
 /// Whether an equation is dependent without any other equation, and why.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum CombinationAlone {
-    /// It has no coefficients.
+    /// The equation has no coefficients.
     Empty,
-    /// All of its DOFs are prescribed.
+    /// All DOFs of the equation are prescribed.
     Prescribed,
-    /// It has free DOFs, and depends on other equations.
+    /// The equation has free DOFs, and depends on other equations.
     No,
 }
 
@@ -102,12 +102,12 @@ impl CombinationAlone {
         }
     }
 
-    /// The predicate for one such equation.
+    /// The predicate of a sentence about one equation that is dependent alone.
     pub fn one(self) -> &'static str {
         if self == Self::Empty { "has no coefficients" } else { "has no free DOF: all are prescribed" }
     }
 
-    /// The name of several such equations.
+    /// The name for several equations that are dependent alone.
     pub fn several(self) -> &'static str {
         if self == Self::Empty { "rows without coefficients" } else { "rows whose DOFs are all prescribed" }
     }

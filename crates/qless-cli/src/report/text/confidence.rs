@@ -13,7 +13,8 @@ use super::combination;
 use crate::diagnose::Diagnosis;
 use crate::wording::{self, EquationLookup, count, rough};
 
-/// The remainder of a dropped equation may be rounding up to this relative size. A smaller tolerance would count rounding as data.
+/// A remainder of a dropped equation may be rounding if its relative size is at most this. A smaller tolerance would count rounding as
+/// data.
 const ROUNDING: f64 = 1e-13;
 /// Relative mismatches between these limits are doubtful.
 const DOUBTFUL: [f64; 2] = [1e-12, 1e-6];
@@ -108,7 +109,7 @@ fn remainder(list: &EquationList) -> Option<String> {
     (dropped > 0.0).then(|| format!("  {name} is not quite its combination. {advice}"))
 }
 
-/// The rank and the conflicts in the other reading of numbers that may be rounding, and the option that decides.
+/// The line about numbers that may be rounding: the rank and the conflicts if they are read the other way, and the option that decides.
 fn other_reading(report: &Report) -> Option<String> {
     let other = report.other_reading.as_ref()?;
     let terms = count(other.coefficients.len(), "coefficient");
@@ -131,7 +132,7 @@ fn small_mismatch(list: &EquationList) -> Option<String> {
     Some(format!("  {name} is off by only {size} of its terms. If that is {meant}: --tolerance {tolerance}"))
 }
 
-/// With near-dependence: both ranks, and the equation that is closest to dependent.
+/// Lines about near-dependence: both ranks, and the equation that is closest to dependent.
 pub fn near_dependence(diagnosis: &Diagnosis, report: &Report) -> Vec<String> {
     let Some(near) = &diagnosis.near_dependence else { return Vec::new() };
     let digits = count(near.digits() as usize, "digit");
@@ -185,7 +186,7 @@ fn same_ranks(exact: &ExactFinding) -> bool {
     exact.differences.iter().all(|part| part.rank == part.analysis_rank)
 }
 
-/// The conclusion from the two ranks.
+/// The conclusion from the rank of the analysis and the exact rank.
 fn meaning(report: &Report, exact: &ExactFinding) -> Option<String> {
     let rank = exact.rank;
     let is_in_doubt = report.confidence.ambiguous && report.confidence.doubt != Some(Doubt::Exact);
@@ -204,7 +205,7 @@ fn meaning(report: &Report, exact: &ExactFinding) -> Option<String> {
     }
 }
 
-/// A line if only one of the two analyses finds a solution.
+/// A line if only one of the two analyses, in floating point and exact, finds a solution.
 fn solution(report: &Report, exact: &ExactFinding) -> Option<String> {
     let text = match (exact.solvable, report.counts.conflicting == 0) {
         (true, false) => "As typed the equations have a solution: no conflict is exact.",
@@ -214,7 +215,7 @@ fn solution(report: &Report, exact: &ExactFinding) -> Option<String> {
     Some(text.to_owned())
 }
 
-/// The part in which the two analyses differ.
+/// The part in which the analyses in floating point and in exact arithmetic differ.
 fn place(diagnosis: &Diagnosis, exact: &ExactFinding) -> Option<String> {
     let first = exact.differences.first()?;
     let name = wording::equation(&diagnosis.system, first.row - 1);

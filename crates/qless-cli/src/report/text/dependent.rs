@@ -18,7 +18,7 @@ pub fn section(list: &EquationList, kind: Kind, most: usize) -> Vec<String> {
         return Vec::new();
     }
     let mut lines = vec![heading(kind).to_owned()];
-    // One line for all equations without free DOFs: many of them would hide the others.
+    // One line for each kind of equation without free DOFs: many of them would hide the others.
     let of_kind = if kind == Kind::Redundant { group(list, of_kind, &mut lines) } else { of_kind };
     let groups = origins(list, &of_kind);
     let mut shown = 0;
@@ -48,7 +48,7 @@ fn origins<'a>(list: &EquationList, of_kind: &[&'a DependentRow]) -> Vec<Vec<&'a
     groups.iter().map(|group| group.rows.iter().filter_map(of_row).collect()).collect()
 }
 
-/// `      so are 29 more: rows 12-40`.
+/// A line about equations like the one shown: `      so are 29 more: rows 12-40`.
 fn alike(list: &EquationList, group: &[&DependentRow]) -> Option<String> {
     let others = group.get(1..).filter(|others| !others.is_empty())?;
     let (number, verb) = (others.len(), if others.len() == 1 { "is" } else { "are" });
@@ -83,7 +83,8 @@ fn heading(kind: Kind) -> &'static str {
     }
 }
 
-/// Most lines of the explanation of a conflict or a redundancy. Repairing a conflict needs all members, so it gets more lines.
+/// Largest number of lines for the explanation of a conflict, and of a redundancy. Repairing a conflict needs all members, so it gets more
+/// lines.
 const CONFLICT_LINES: usize = 4;
 const REDUNDANCY_LINES: usize = 2;
 
@@ -129,19 +130,19 @@ fn mismatch(equations: &dyn EquationLookup, dependent: &DependentRow, is_alone: 
     format!("      right-hand side {}, but {who} {} (mismatch {off})", number(found), number(needed))
 }
 
-/// `  and 480 more (why: qless explain a.inp 'row 12'): rows 12, 15, 19-22, ...`.
+/// A line about equations that are not shown: `  and 480 more (why: qless explain a.inp 'row 12'): rows 12, 15, 19-22, ...`.
 fn rest(list: &EquationList, others: &[&DependentRow]) -> String {
     let (count, first, input) = (others.len(), others[0].row + 1, quoted(list.input));
     let plural = if count == 1 { "" } else { "s" };
     rows(&format!("  and {count} more (why: qless explain {input} 'row {first}'): row{plural}"), others)
 }
 
-/// `first 12, 15, 19-22, ...` in one line.
+/// The text `first` and row numbers in one line: `first 12, 15, 19-22, ...`.
 fn rows(first: &str, dependent: &[&DependentRow]) -> String {
     const TAIL: &str = ", ...";
     let rows: Vec<usize> = dependent.iter().map(|d| d.row + 1).collect();
     let pieces = ranges(&rows);
-    // A long label leaves room for some rows.
+    // A line with a long label is wider, so that some rows fit.
     let columns = COLUMNS.max(width(first) + 30);
     let flowed = flow(first, "", &pieces, (1, columns), TAIL.len());
     let left_out = flowed.used < pieces.len();

@@ -1,4 +1,5 @@
-//! The report as text of at most 24 lines, and two more if a conflict needs them: verdict, dependent equations with certificates, confidence, advice.
+//! The report as text of at most 24 lines, and two more if a conflict needs them. It has the verdict, dependent equations with
+//! certificates, confidence and advice.
 //!
 //! Items that do not fit are counted; `--format json` has all of them.
 
@@ -20,9 +21,9 @@ use crate::wording::EquationLookup;
 use crate::wording::layout::{LayoutSection, section_lines, section_needs};
 pub use summary::verdict_on_equations;
 
-/// Columns of lists of rows, members and DOFs; sentences are not limited.
+/// Largest width, in columns, of lists of rows, members and DOFs; sentences are not limited.
 const COLUMNS: usize = 100;
-/// Most lines of a report, unless the sections of a deck need more.
+/// Largest number of lines of a report, unless the sections of a deck need more.
 const LINES: usize = 24;
 
 /// A redundant or conflicting equation.
@@ -86,7 +87,7 @@ fn list<'a>(diagnosis: &'a Diagnosis, explain: &'a dyn Fn(usize) -> Option<Expla
     }
 }
 
-/// Lines about doubts, which may be none.
+/// Lines about doubts in the rank; there may be none.
 fn doubts(diagnosis: &Diagnosis, report: &Report) -> Vec<String> {
     let mut doubts = confidence::near_dependence(diagnosis, report);
     doubts.extend(confidence::exact_rank(diagnosis, report));

@@ -32,7 +32,7 @@ pub fn lines(list: &EquationList, report: &Report, outcome: &CommandOutcome) -> 
     }
 }
 
-/// The folder of the files, and the quality of T.
+/// Lines about a written reduction: its folder, and the quality of T.
 fn written(report: &Report, folder: &Path) -> Vec<String> {
     let Some(reduction) = &report.reduction else { return Vec::new() };
     let folder = printable::line(&folder.display().to_string());
@@ -72,7 +72,7 @@ fn changed(list: &EquationList, restored: usize) -> String {
     )
 }
 
-/// Most repairs that are shown, and most changes of each.
+/// Largest number of repairs that are shown, and of changes in each.
 const REPAIRS: usize = 3;
 
 /// The repairs of conflicts, or one line of other advice.
@@ -156,7 +156,7 @@ fn advice(list: &EquationList, report: &Report, obstacle: Option<&str>) -> Strin
     }
 }
 
-/// The input in the syntax of a shell.
+/// A path, quoted for a shell if necessary.
 pub fn quoted(path: &Path) -> String {
     let plain = printable::line(&path.display().to_string());
     let is_safe = |c: char| c.is_ascii_alphanumeric() || "_-./+,=:@%".contains(c);

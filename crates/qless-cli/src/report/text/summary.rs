@@ -6,14 +6,14 @@ use qless::{Form, Report};
 use crate::deck_input::DeckInput;
 use crate::wording::count;
 
-/// `3 of 16 equations are redundant; 1 conflicts; the rest (12) are independent.`, after the number of constraints left out and before what
-/// the solver does with the deck.
+/// The verdict: the number of constraints left out, `3 of 16 equations are redundant; 1 conflicts; the rest (12) are independent.`, and
+/// what the solver does with the deck.
 pub fn verdict(report: &Report, deck: Option<&DeckInput>) -> String {
     let solver = deck.and_then(of_solver).map_or_else(String::new, |text| format!(" {text}"));
     verdict_on_equations(report, deck.is_some()) + &solver
 }
 
-/// `But ccx refuses the deck.`, `But ccx loses 12 claims.`
+/// What the solver does with the deck: `But ccx refuses the deck.`, `But ccx loses 12 claims.`
 fn of_solver(deck: &DeckInput) -> Option<String> {
     let (solver, claims) = (deck.deck.solver(), deck.claims());
     match (claims.refused.len(), deck.lost(), claims.unsound.len()) {
@@ -66,7 +66,7 @@ fn some(n: usize, of: &str, one: &str, many: &str) -> Option<String> {
     (n > 0).then(|| format!("{n}{of} {verb}"))
 }
 
-/// `Input: 16 equations with 32 coefficients on 28 DOFs, 2 prescribed.`, or `Input: no equations.`
+/// The line about the input: `Input: 16 equations with 32 coefficients on 28 DOFs, 2 prescribed.`, or `Input: no equations.`
 pub fn input(report: &Report) -> String {
     let input = report.input;
     if input.rows == 0 {
@@ -80,12 +80,12 @@ pub fn input(report: &Report) -> String {
     format!("Input: {rows} with {coefficients} on {}, {prescribed}.", count(input.dofs, "DOF"))
 }
 
-/// `Effort checked: by estimates; a doubtful rank is called ambiguous.`
+/// The line about the effort: `Effort checked: by estimates; a doubtful rank is called ambiguous.`
 pub fn effort(report: &Report) -> String {
     format!("Effort {}: {}.", report.effort.name(), report.promise)
 }
 
-/// The proof; for exact arithmetic, the chance of error.
+/// The line about the proof; for exact arithmetic, about the chance of error.
 pub fn proof(report: &Report) -> Option<String> {
     let proof = report.proof.as_ref()?;
     Some(match &report.exact_rank {
@@ -103,7 +103,7 @@ pub fn proof(report: &Report) -> Option<String> {
     })
 }
 
-/// `Presolve settled 12 of 16 equations; faer factored 4, in 1 block.`
+/// The line about presolve: `Presolve settled 12 of 16 equations; faer factored 4, in 1 block.`
 pub fn presolve(report: &Report) -> String {
     let (rows, name) = (report.input.rows, report.backend.name);
     let Some(presolve) = report.presolve else { return of_ranks(report) };
@@ -126,14 +126,14 @@ fn of_ranks(report: &Report) -> String {
     format!("Analysed by {ranks}, each with presolve and {}.", report.backend.name)
 }
 
-/// `Backend: SuiteSparseQR 2.1.0, SuiteSparse 5.12.0, task tree on oneTBB 2021.8.`, if the version has details.
+/// The line about the backend, if its version has details: `Backend: SuiteSparseQR 2.1.0, SuiteSparse 5.12.0, task tree on oneTBB 2021.8.`
 pub fn backend(report: &Report) -> Option<String> {
     let has_core = report.presolve.is_some_and(|presolve| presolve.core_rows > 0);
     let says_more = has_core && report.backend.version.contains(',');
     says_more.then(|| format!("Backend: {}.", report.backend.version))
 }
 
-/// `Time: 0.53 s (reading 0.21, analysis 0.30).`
+/// The line about time: `Time: 0.53 s (reading 0.21, analysis 0.30).`
 pub fn time(report: &Report) -> String {
     let ms = report.timings_ms;
     let of_stages = ms.presolve + ms.factor + ms.classify;
@@ -146,7 +146,7 @@ pub fn time(report: &Report) -> String {
     format!("Time: {total:.2} s (reading {read:.2}, analysis {analysis:.2}{reduction}) on {who}.")
 }
 
-/// Most blocks shown; `--format json` has all of them.
+/// Largest number of blocks shown; `--format json` has all of them.
 const BLOCKS_SHOWN: usize = 2;
 
 /// At most three lines about blocks in factor form; none if T is explicit.
@@ -173,14 +173,14 @@ fn largest(all: &[FactoredSizes]) -> Vec<String> {
     lines
 }
 
-/// `block 1: 4980 equations, 4980 slaves, 812 masters, 71234 numbers; T about 3141592`.
+/// The line about a factored block: `block 1: 4980 equations, 4980 slaves, 812 masters, 71234 numbers; T about 3141592`.
 fn block_line(number: usize, block: &FactoredSizes) -> String {
     let sizes =
         [(block.equations, "equation"), (block.slaves, "slave"), (block.masters, "master"), (block.nnz, "number")];
     format!("block {number}: {}; T about {}", sizes.map(|(n, what)| count(n, what)).join(", "), block.predicted)
 }
 
-/// A line for each kind of preference with exceptions.
+/// A line for each kind of preference that is not met completely.
 pub fn unmet_preferences(report: &Report) -> Vec<String> {
     let unmet = &report.unmet_preferences;
     let kinds = [

@@ -1,5 +1,5 @@
-//! Equations of a joint at the point p of bodies a and b: `u_a + theta_a x (p - x_a) - u_b - theta_b x (p - x_b) = 0`. A hinge adds
-//! `s_i . (theta_a - theta_b) = 0` for two directions `s_i` perpendicular to its axis.
+//! Equations of a joint at the point p of bodies a and b: `u_a + theta_a x (p - x_a) - u_b - theta_b x (p - x_b) = 0`, where x_a and x_b
+//! are the centres of the bodies. A hinge adds `s_i . (theta_a - theta_b) = 0` for two directions `s_i` perpendicular to its axis.
 
 use crate::families::AXES;
 use crate::families::sums::Terms;
@@ -21,10 +21,10 @@ pub(super) struct Joint {
 }
 
 impl Joint {
-    /// Names and terms of the equations. A body has six DOFs: displacement and small rotation.
+    /// Names and terms of the equations of the joint. A body has six DOFs: displacement and small rotation.
     pub(super) fn equations(&self, centres: &[[f64; 3]]) -> impl Iterator<Item = (&'static str, Terms)> {
         let point = (0..3).map(|axis| (["x", "y", "z"][axis], self.point(centres, axis)));
-        // The first two axes span the plane of the net.
+        // A hinge fixes the rotations about the first two axes, which span the plane of the net.
         let sides = if self.kind == JointKind::Hinge { &AXES[..2] } else { &[] };
         point.chain(["axis 1", "axis 2"].into_iter().zip(sides.iter().map(|side| self.rotation(*side))))
     }

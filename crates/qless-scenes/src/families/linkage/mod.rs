@@ -16,11 +16,11 @@ use net::Net;
 /// every `pitch`-th body. The axes of all hinges are parallel, normal to a plane that is inclined to x, y and z. Coordinates are whole
 /// numbers, so all coefficients are exact. A hinge has five equations, a ball joint three.
 ///
-/// The rows and the first rungs form a tree of independent equations. Each other rung closes a loop. The three hinges of a rung
-/// are not collinear, so within the plane its ends can still move relative to each other. The tree already prevents relative motion
-/// of its ends out of the plane, so three equations are redundant. A ball joint at the elbow removes two of these three, and
-/// a second ball joint at the foot removes the third. With `balls` the seed chooses none, one or two ball joints for each of these
-/// rungs; otherwise `3 loops` equations are redundant.
+/// The rows and the first rungs form a tree of independent equations. Each other rung closes a loop. The three hinges of a rung are not
+/// collinear, so within the plane its ends can still move relative to each other. The tree already prevents relative motion of its ends out
+/// of the plane, so three equations are redundant. A ball joint in the middle of the rung removes two of these three, and a second ball
+/// joint at its lower end removes the third. With `balls` the seed chooses none, one or two ball joints for each of these rungs; otherwise
+/// `3 loops` equations are redundant.
 ///
 /// ```
 /// use qless_scenes::families::Linkage;
@@ -45,7 +45,7 @@ pub struct Linkage {
     pub balls: bool,
 }
 
-/// Bodies of a rung.
+/// Number of bodies in a rung.
 const PER_RUNG: usize = 2;
 
 impl Linkage {

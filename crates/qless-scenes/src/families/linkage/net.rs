@@ -12,7 +12,7 @@ pub(super) struct Net {
     pub(super) redundant: usize,
 }
 
-/// Steps from one body to the next. Coordinates are whole numbers of steps, so lever arms are exact.
+/// Number of steps from one body to the next. Coordinates are whole numbers of steps, so lever arms are exact.
 const STEP: usize = 64;
 /// Length of a step along an axis of [`AXES`], which have length 3: a body is 1.5 long if `length` is 1.
 const UNIT: f64 = 1.0 / 128.0;
@@ -58,7 +58,7 @@ impl Net {
 }
 
 impl Linkage {
-    /// Rungs between two rows.
+    /// Number of rungs between two neighbouring rows.
     pub(super) fn rungs(&self) -> usize {
         self.columns.div_ceil(self.pitch.max(1))
     }
@@ -69,7 +69,7 @@ impl Linkage {
         self.rows.saturating_mul(self.columns).saturating_add(rungs)
     }
 
-    /// Number of loops.
+    /// Number of loops that rungs close.
     pub fn loops(&self) -> usize {
         self.rows.saturating_sub(1).saturating_mul(self.rungs().saturating_sub(1))
     }

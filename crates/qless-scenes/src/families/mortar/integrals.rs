@@ -4,22 +4,22 @@
 
 use super::side::Side;
 
-/// Row i holds its pairs `(column, integral)`, columns ascending.
+/// Band matrix: row i holds its pairs `(column, integral)`, columns ascending.
 pub(super) type Band = Vec<Vec<(usize, f64)>>;
 
-/// Ends at a smaller distance coincide: their positions differ by rounding only.
+/// Ends of elements that are closer than this coincide: their positions differ by rounding only.
 const SAME: f64 = 4.0 * f64::EPSILON;
 /// An integral below this fraction of the sum of its absolute parts is zero in real arithmetic, such as that of `(1 - t) t (2 t - 1)`.
 const ZERO: f64 = 1e-14;
 
-/// An entry: the sum of its parts, and the sum of their absolute values.
+/// An integral: the sum of its parts over intervals, and the sum of the absolute values of the parts.
 struct IntegralsEntry {
     column: usize,
     sum: f64,
     size: f64,
 }
 
-/// Integrals of the products of the functions of two meshes, the first by rows.
+/// Integrals of the products of the functions of two meshes. Rows belong to the first mesh, columns to the second.
 pub(super) fn products(rows: &Side, columns: &Side) -> Band {
     let nodes = rows.degree as usize * rows.elements() + 1;
     let mut sums: Vec<Vec<IntegralsEntry>> = (0..nodes).map(|_| Vec::new()).collect();
@@ -59,7 +59,7 @@ fn add_piece(
     }
 }
 
-/// Points and weights on `[0, 1]`.
+/// Points and weights of Gauss quadrature on `[0, 1]`.
 pub(in super::super) fn gauss() -> [(f64, f64); 3] {
     let offset = 0.5 * 0.6_f64.sqrt();
     [(0.5 - offset, 5.0 / 18.0), (0.5, 4.0 / 9.0), (0.5 + offset, 5.0 / 18.0)]

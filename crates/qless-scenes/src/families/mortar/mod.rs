@@ -116,7 +116,7 @@ impl Mortar {
         rows
     }
 
-    /// One component of a vector equation over nodes.
+    /// One component of the vector equation `sum_k v_k u_k = 0`, where `nodes` holds the pairs (k, v_k).
     fn in_frame(&self, nodes: &[(usize, f64)], component: usize) -> Terms {
         let axes: [[f64; 3]; 3] = match (self.skew, self.components) {
             (true, 2) => [[0.6, 0.8, 0.0], [-0.8, 0.6, 0.0], [0.0; 3]],
@@ -130,7 +130,7 @@ impl Mortar {
     }
 }
 
-/// Row (i, j) of `along (x) across`: `(node, value)`.
+/// Row (i, j) of the Kronecker product of `along` and `across`, as pairs `(node, value)`.
 fn tensor<'a>(
     along: &'a Band,
     across: &'a Band,

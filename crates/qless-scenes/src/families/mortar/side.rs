@@ -6,9 +6,9 @@ use crate::{Rng, SceneError};
 /// Degree of the Lagrange functions of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Degree {
-    /// Two nodes per element: `1 - t`, `t`.
+    /// Two nodes per element, with the functions `1 - t`, `t`.
     Linear = 1,
-    /// Three nodes per element, one in the middle: `(1 - t)(1 - 2 t)`, `4 t (1 - t)`, `t (2 t - 1)`.
+    /// Three nodes per element, one in the middle, with the functions `(1 - t)(1 - 2 t)`, `4 t (1 - t)`, `t (2 t - 1)`.
     Quadratic = 2,
 }
 

@@ -6,11 +6,11 @@ use crate::families::patch::{Locator, PatchFace};
 /// Integrals of the function of a slave node.
 #[derive(Clone, Default)]
 pub(super) struct IntegralsRow {
-    /// Row of D: `(slave node, integral)`.
+    /// Row i of D: pairs `(slave node j, int N_i N_j dA)`.
     pub(super) slave: Vec<(usize, f64)>,
-    /// Row of M: `(master node, integral)`.
+    /// Row i of M: pairs `(master node k, int N_i P_k dA)`.
     pub(super) master: Vec<(usize, f64)>,
-    /// The area of the node times its normal.
+    /// Integral of the normal, weighted with the function of the node: `int N_i n dA`.
     pub(super) normal: [f64; 3],
 }
 
@@ -21,8 +21,8 @@ pub(super) struct SurfaceMesh {
     pub(super) space: Vec<[f64; 3]>,
 }
 
-/// A Gauss point of a slave face belongs to the master face at the same `(s, t)`. D and M use the same points, so that their
-/// row sums are equal.
+/// Integrates the functions of each slave node. A Gauss point of a slave face belongs to the master face at the same `(s, t)`. D and M use
+/// the same points, so that their row sums are equal.
 pub(super) fn rows(slave: &SurfaceMesh, master: &SurfaceMesh) -> Vec<IntegralsRow> {
     let locator = Locator::new(&master.faces, |node| master.square[node]);
     let mut rows = vec![IntegralsRow::default(); slave.space.len()];
@@ -57,7 +57,7 @@ fn add_point(
     }
 }
 
-/// Adds to an entry of a row, which is short.
+/// Adds a part to an entry of a row. Rows are short, so a linear search is fast enough.
 fn add(row: &mut Vec<(usize, f64)>, column: usize, part: f64) {
     match row.iter_mut().find(|entry| entry.0 == column) {
         Some(entry) => entry.1 += part,

@@ -7,11 +7,12 @@ use crate::families::AXES;
 pub enum Surface {
     /// `(p, q, 0)` with `p = 2 s - 1`, `q = 2 t - 1`.
     Plane,
-    /// A cylinder over 106 degrees, `(2 a / (1 + a^2), q, (1 - a^2) / (1 + a^2))` with `a = p / 2`.
+    /// A cylinder over 106 degrees, `(2 a / (1 + a^2), q, (1 - a^2) / (1 + a^2))` with `a = p / 2`, `p = 2 s - 1`, `q = 2 t - 1`.
     Cylinder,
-    /// Part of a sphere, by stereographic projection: `(p, q, 1 - r^2) / (1 + r^2)` with `r^2 = (p^2 + q^2) / 4`.
+    /// Part of a sphere, by stereographic projection: `(p, q, 1 - r^2) / (1 + r^2)` with `r^2 = (p^2 + q^2) / 4`, `p = 2 s - 1`,
+    /// `q = 2 t - 1`.
     Sphere,
-    /// Hills and valleys `0.1 T_3(p) T_3(q)`, `T_3(p) = 4 p^3 - 3 p`.
+    /// Hills and valleys `0.1 T_3(p) T_3(q)`, with `T_3(p) = 4 p^3 - 3 p`, `p = 2 s - 1`, `q = 2 t - 1`.
     Waves,
 }
 

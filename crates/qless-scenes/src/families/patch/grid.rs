@@ -48,7 +48,7 @@ fn cut(first: usize, width: usize, faces: Faces, rng: &mut Rng) -> [Option<Patch
     }
 }
 
-/// A node and its position along the line.
+/// A node and its position along a line of nodes.
 type ZipPosition = (usize, f64);
 
 /// The triangles between two lines with ascending positions. Each step advances to the next node of either line.

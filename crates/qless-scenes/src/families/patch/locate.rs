@@ -5,9 +5,9 @@ use super::PatchFace;
 /// Faces that cover the square `[0, 1]^2`, with the coordinates of their corners.
 pub(in super::super) struct Locator {
     faces: Vec<(PatchFace, [[f64; 2]; 4])>,
-    /// Faces whose bounding box touches a bucket.
+    /// For each bucket, the faces whose bounding box touches it.
     buckets: Vec<Vec<u32>>,
-    /// Buckets per side.
+    /// Number of buckets along each side of the square.
     side: usize,
 }
 

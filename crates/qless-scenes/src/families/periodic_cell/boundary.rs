@@ -10,9 +10,9 @@ const MOVE: f64 = 0.3;
 /// Nodes of the surface, and the meshes of its sides.
 pub(super) struct Boundary {
     pub(super) nodes: Vec<[f64; 3]>,
-    /// Faces of the mesh at `x_axis = 0`.
+    /// For each axis, the faces of the mesh on the side with coordinate 0 along this axis.
     pub(super) near: [Vec<PatchFace>; 3],
-    /// Nodes at `x_axis = 1`.
+    /// For each axis, the nodes on the side with coordinate 1 along this axis.
     pub(super) far: [Vec<usize>; 3],
 }
 

@@ -1,4 +1,4 @@
-//! Periodicity of a cube with non-matching opposite faces: `u(x) - sum_k N_k(x - e_d) u_k - eps e_d = 0`.
+//! Periodicity of a cube with non-matching opposite faces and a mean strain eps: `u(x) - sum_k N_k(x - e_d) u_k - eps e_d = 0`.
 
 mod boundary;
 
@@ -13,9 +13,9 @@ use boundary::Boundary;
 /// Whether the meshes of the four parallel edges of a cell match.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Edges {
-    /// All four have nodes at the same places.
+    /// The four parallel edges have nodes at the same places.
     Matching,
-    /// Each has its own nodes.
+    /// Each edge has its own nodes.
     Own,
 }
 
