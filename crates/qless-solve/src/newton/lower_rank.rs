@@ -21,6 +21,22 @@ use crate::common::HALF_DIGITS;
 /// step leaves at most h / 2 of c, and the merit function is the square of c.
 const SLOW: f64 = 1.0 / 16.0;
 
+/// The searches of one part. After k failed searches in a row, the part takes `2^(k - 2)` steps without one. So a part with many short steps,
+/// such as a long chain that falls into place, rarely searches in vain.
+#[derive(Clone, Default)]
+pub struct Searches {
+    failed: u32,
+    /// The first step at which the part may search again.
+    next: usize,
+}
+
+impl Searches {
+    fn end(&mut self, step: usize, found: bool) {
+        self.failed = if found { 0 } else { self.failed + 1 };
+        self.next = step + 1 + (1_usize << self.failed.min(30)) / 4;
+    }
+}
+
 /// How steps with a lower rank are found.
 pub struct LowerRank<'a> {
     pub prescribed: &'a [(usize, f64)],
@@ -35,12 +51,14 @@ impl LowerRank<'_> {
         &self,
         line: &mut StepLine,
         best: &mut StepLengths,
-        buffer: &mut Evaluation,
+        (searches, buffer): (&mut [Searches], &mut Evaluation),
     ) -> Result<(), NewtonError> {
         // Smaller changes count as none in the analysis too.
         let residual = |part: usize| line.from.residuals[part].max(HALF_DIGITS);
         let is_short = |part: &usize| self.goals[*part] == StepGoal::Downhill && best.lengths[*part] < 1.0;
-        let mut open: Vec<usize> = (0..self.goals.len()).filter(is_short).collect();
+        let searches_now = |part: &usize| is_short(part) && searches[*part].next <= self.step;
+        let mut open: Vec<usize> = (0..self.goals.len()).filter(searches_now).collect();
+        open.iter().for_each(|&part| searches[part].end(self.step, false));
         if open.is_empty() {
             return Ok(());
         }
@@ -60,7 +78,7 @@ impl LowerRank<'_> {
             let (tried, rest) = open.into_iter().partition::<Vec<usize>, _>(falls);
             open = rest;
             if !tried.is_empty() {
-                self.replace(line, best, (&rows, &tried), buffer)?;
+                self.replace(line, best, (&rows, &tried), (searches, buffer))?;
             }
         }
         Ok(())
@@ -83,7 +101,7 @@ impl LowerRank<'_> {
         line: &mut StepLine,
         best: &mut StepLengths,
         (rows, tried): (&[bool], &[usize]),
-        buffer: &mut Evaluation,
+        (searches, buffer): (&mut [Searches], &mut Evaluation),
     ) -> Result<(), NewtonError> {
         let Some(du) = self.step_of(line, rows)? else { return Ok(()) };
         let mut goals = vec![StepGoal::Done; self.goals.len()];
@@ -95,6 +113,7 @@ impl LowerRank<'_> {
         let is_better = |part: &usize| found.left[*part] < best.left[*part] && converges(*part);
         let better: Vec<usize> = tried.iter().copied().filter(is_better).collect();
         for part in better {
+            searches[part].end(self.step, true);
             (best.lengths[part], best.left[part]) = (found.lengths[part], found.left[part]);
             line.parts.list[part].free.iter().for_each(|&j| line.du[j] = other.du[j]);
         }
