@@ -118,7 +118,7 @@ pub enum Effort {
 }
 
 impl Effort {
-    /// The promise of this effort, in one sentence.
+    /// What this effort guarantees, in one sentence.
     pub fn promise(self) -> &'static str {
         match self {
             Self::Quick => "not checked: the rank may be wrong",

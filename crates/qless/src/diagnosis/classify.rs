@@ -93,8 +93,9 @@ impl<'a> MismatchRule<'a> {
 /// The origin of the certificate of a dependent equation.
 #[derive(Clone, Debug)]
 pub(crate) enum Source {
-    /// A certificate over rows of a block: the index of the row among those that went through elimination, the terms, and an error bound.
-    /// Each coefficient is wrong by at most this many units in the last place of the largest one, times the number of terms.
+    /// A certificate over rows of a block: the index of the row among those that went through elimination, the terms, and a number that
+    /// bounds their errors. The error of each coefficient is at most this number times the number of terms, in units in the last place of
+    /// the largest coefficient.
     Traced(u32, BlockCertificate, f64),
     /// The certificate itself.
     Given(Vec<CertificateTerm>),

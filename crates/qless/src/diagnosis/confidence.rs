@@ -75,9 +75,8 @@ impl serde::Serialize for Confidence {
 }
 
 impl Confidence {
-    /// Makes a confidence from both measures; `other` is a doubt from another check, used if these measures raise none. With a tolerance
-    /// other than the default, dropped equations raise no doubt; kept ones raise one only if their distance is below the tolerance or is
-    /// rounding.
+    /// Makes a confidence from the distance d and the error e; `other` is a doubt from another check, used if d and e raise none. With a
+    /// tolerance other than the default, e raises no doubt, and d raises one only if it is below the tolerance or is rounding.
     ///
     /// ```
     /// use qless::{Confidence, Tolerance};

@@ -49,8 +49,8 @@ pub(crate) fn find(
     fixed
 }
 
-/// A solution of the kept equations, with the digits that an elimination row by row loses: `1e-20 u_1 + u_2 = 0.1` leaves no digit of u_1
-/// if u_2 is rounded to a double.
+/// A solution of the kept equations, in sums of two doubles. Elimination row by row in doubles can lose all digits of a DOF:
+/// `1e-20 u_1 + u_2 = 0.1` leaves no digit of u_1 if u_2 is rounded to a double.
 pub(crate) fn particular(kept: &KeptRows) -> Vec<f64> {
     let system = kept.system;
     let mut start = vec![[0.0]; system.dofs()];
@@ -66,7 +66,7 @@ pub(crate) fn evaluate(dofs: Vec<u32>, system: LocalSystem, u: &[f64]) -> Genera
     Generated { values: dofs.iter().map(named).collect(), dofs }
 }
 
-/// What remains of a vector after equations are subtracted; the keys are (result of [`times`], DOF).
+/// What remains of a vector after equations are subtracted. A key has the DOF, after the row of the basis that defines it ([`times`]).
 struct GeneratedRemainder {
     parts: BTreeMap<(u32, u32), f64>,
 }

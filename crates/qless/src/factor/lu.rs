@@ -21,9 +21,9 @@ pub(crate) struct SparseLu {
     pub slaves: Vec<u32>,
     /// The equation that is eliminated in each step.
     pub order: Vec<u32>,
-    /// L11 without its diagonal of ones, by rows.
+    /// The factor L11 of `C^T = [L11; L21] U` by rows, without its diagonal of ones.
     pub l: Csr,
-    /// U without its diagonal, by rows.
+    /// The factor U of `C^T = [L11; L21] U` by rows, without its diagonal.
     pub u: Csr,
     /// The diagonal of U.
     pub diagonal: Vec<f64>,
@@ -59,11 +59,11 @@ struct LuWork<'a> {
     /// Number of equations of each DOF; [`NONE`] for those that may not be slaves.
     count: Vec<u32>,
     step_of: Vec<u32>,
-    /// Columns of L without the diagonal. The next two fields are the DOFs and the values of their entries.
+    /// The start of each column of the factor L, without its diagonal. The next two fields are the DOFs and the values of the entries.
     start: Vec<usize>,
     dofs: Vec<u32>,
     values: Vec<f64>,
-    /// U by columns.
+    /// The factor U by columns.
     upper: Csr,
     slaves: Vec<u32>,
     diagonal: Vec<f64>,

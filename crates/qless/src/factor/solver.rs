@@ -22,7 +22,7 @@ pub(crate) struct SlaveSolver {
     lu: SparseLu,
     /// C_S by columns: row k lists the entries of the slave of step k; equations are numbered by their steps.
     columns: Csr,
-    /// Step of each equation.
+    /// For each equation, the step that eliminates it.
     step: Vec<u32>,
 }
 

@@ -16,7 +16,7 @@ pub(crate) struct Step {
     /// The other entries of the row, as `(DOF, coefficient)`.
     pub others: Vec<(u32, f64)>,
     pub rhs: f64,
-    /// [`WorkingRow::reach`] of the pivot row.
+    /// [`WorkingRow::reach`] of the pivot row: the largest product of factors by which elimination added a user's equation to the row.
     pub reach: f64,
 }
 
@@ -27,7 +27,7 @@ pub(crate) struct EmptiedRow {
     /// The largest [`Entry::certain_left`](super::rows::Entry::certain_left) of the row's coefficients: those that were dropped before, and
     /// those that were left when the row was classified. 0 if only rounding was dropped.
     pub dropped: f64,
-    /// [`WorkingRow::reach`] of this row.
+    /// [`WorkingRow::reach`] of this row: the largest product of factors by which elimination added a user's equation to the row.
     pub reach: f64,
     /// The right-hand side of the row (without prescribed terms) minus that of its certificate.
     pub mismatch: Mismatch,

@@ -78,7 +78,8 @@ pub(crate) struct WorkingRow {
     pub effective: f64,
     pub effective_size: f64,
     pub effective_error: f64,
-    /// The largest [`Entry::left`] of the dropped coefficients of free DOFs. A coefficient that may be only rounding counts as 0.
+    /// The largest [`Entry::left`] of the dropped coefficients of free DOFs: the fraction of a coefficient's largest term that is left. A
+    /// coefficient that may be only rounding counts as 0.
     pub dropped: f64,
     /// The largest product of factors by which a user's equation was added to this row, at least 1. It amplifies the rounding errors of
     /// that equation.

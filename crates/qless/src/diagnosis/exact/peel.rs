@@ -42,7 +42,7 @@ struct PeelWork<'a> {
     length: Vec<u32>,
     taken: Vec<bool>,
     unknown: Vec<bool>,
-    /// Columns that were singletons when they were added here. The next field lists such rows.
+    /// Columns that were singletons when they were added here. The next field lists rows that were singletons when they were added.
     columns: Vec<u32>,
     rows: Vec<u32>,
     peeled: Vec<u32>,

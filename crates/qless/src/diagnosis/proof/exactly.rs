@@ -1,4 +1,4 @@
-//! Verifies certificates in exact arithmetic, modulo primes whose product exceeds every number that has to be zero.
+//! Verifies certificates in exact arithmetic. A whole number is zero if it is zero modulo primes whose product exceeds its magnitude.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -24,7 +24,7 @@ pub(super) struct Found {
 
 /// Bits of a prime above `2^60`.
 const BITS: f64 = 60.0;
-/// Largest number of primes: 64 of them hold numbers of 3,840 bits. From the smallest to the largest double there are 2,098 bits.
+/// Largest number of primes: numbers of up to 3,840 bits can be verified with 64 of them. The largest double is 2^2098 times the smallest.
 const PRIMES: usize = 64;
 /// Largest number of rows of a certificate whose minors are computed. [`PRIMES`] then leave almost 120 bits for each row, and each prime
 /// costs an elimination.

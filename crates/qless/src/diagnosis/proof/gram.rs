@@ -19,7 +19,7 @@ use crate::input::scale::{Component, RANGE, exponent, ldexp};
 /// The fraction s of the first attempt: eight roundings. It suffices only for cores whose smallest singular value, in the scaled units,
 /// exceeds about the square root of s.
 const SHIFT: f64 = f64::EPSILON * 4.0;
-/// With fewer equations, their order is not changed.
+/// A core with fewer equations keeps their order; for others a fill-reducing order is computed.
 const FEW: usize = 16;
 /// A computed sum of positive numbers is a bound after multiplication by this factor, which exceeds the effect of its roundings.
 const SLACK: f64 = 1.0 + 1e-6;

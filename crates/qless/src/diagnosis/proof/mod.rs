@@ -114,7 +114,8 @@ fn is_contradicted(analysis: &Analysis, explanation: &Explanation, dependent: &D
     !(agrees || is_redundant && is_rounded())
 }
 
-/// Whether the right-hand side equals exactly the combination of the certificate. None if it is not proved that the coefficients do.
+/// Returns true if the right-hand side of the equation is exactly the combination of those of its certificate. None unless it is proved
+/// that the coefficients of the equation are exactly this combination.
 fn exact_sides(explanation: &Explanation, row: usize, terms: &[CertificateTerm]) -> Option<bool> {
     let is_exact = |found: &Found| found.is_combination;
     let found = explanation.identity(row, terms).filter(is_exact);

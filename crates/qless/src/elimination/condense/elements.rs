@@ -177,7 +177,7 @@ impl CondensedPattern {
         Ok(element)
     }
 
-    /// Returns true if DOF j contributes to one of these lines of K_q.
+    /// Returns true if row or column j of the element matrices contributes to one of these lines (rows or columns) of K_q.
     fn touches(&self, j: usize, lines: &Range<usize>) -> bool {
         self.row_of_l(j).any(|(r, _)| lines.contains(&(r as usize)))
     }
@@ -201,7 +201,7 @@ impl CondensedPattern {
         Ok(())
     }
 
-    /// `K_q(q, :) += weight row L`, where `row` is a row of the matrix of an element.
+    /// `K_q(q, :) += weight row L`, where `row` is a row of the matrix of an element, and L holds T and the identity.
     fn add_row(
         &self,
         q: usize,

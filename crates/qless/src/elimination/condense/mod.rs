@@ -43,8 +43,8 @@ pub struct CondensedPattern {
     prescribed: PrescribedDofs,
     storage: Storage,
     by_columns: bool,
-    /// The stored half in terms of lines: line q of K_q contains index r if `half` holds `(q, r)`. It is `storage` if lines are rows, and
-    /// its transpose if lines are columns.
+    /// The stored half by lines (rows or columns): line q of K_q contains index r if `half` holds `(q, r)`. It is `storage` if lines are
+    /// rows, and its transpose if lines are columns.
     half: Storage,
     /// L: a row for each slave, over the unknowns of K_q.
     l: Csr,
@@ -151,12 +151,13 @@ impl CondensedPattern {
         self.lines.index.len()
     }
 
-    /// Start of each line of K_q in [`CondensedPattern::index`]; one more than there are unknowns.
+    /// Start of each line (row or column) of K_q in [`CondensedPattern::index`], and the end of the last one: one number more than
+    /// unknowns.
     pub fn starts(&self) -> &[u32] {
         &self.lines.starts
     }
 
-    /// Indices of the lines of K_q, ascending within each line.
+    /// For each stored entry of K_q, its column if lines are rows, else its row; ascending within each line.
     pub fn index(&self) -> &[u32] {
         &self.lines.index
     }

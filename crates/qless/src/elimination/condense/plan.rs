@@ -1,4 +1,4 @@
-//! The plan of a condensation: for each line of K_q, the entries of K that contribute. Computed once per pattern.
+//! The plan of a condensation: for each line (row or column) of K_q, the entries of K that contribute. It is computed once per pattern.
 
 use super::lines::{Lines, Union};
 use super::{CondensedPattern, NONE};
@@ -11,7 +11,7 @@ use crate::elimination::view::{Index, Storage, View};
 pub(super) struct CondensePlan {
     /// Number of stored entries of K.
     pub entries: usize,
-    /// For each unknown, the source of its line of K_q.
+    /// For each unknown, the source of its line (row or column) of K_q.
     pub source: Vec<LineSource>,
     /// The entries of K in the lines that are not copied.
     pub mixed: Entries,
@@ -25,7 +25,7 @@ pub(super) struct CondensePlan {
     pub w: Lines,
 }
 
-/// The source of a line of K_q.
+/// The source of a line (row or column) of K_q.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum LineSource {
     /// A copy of consecutive entries of K, starting at this one.

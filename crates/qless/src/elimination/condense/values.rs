@@ -58,7 +58,7 @@ impl CondensedPattern {
         }
     }
 
-    /// Computes a range of lines of K_q; false if a value is not finite.
+    /// Computes a range of lines (rows or columns) of K_q; false if a value is not finite.
     fn fill(&self, range: Range<usize>, out: &mut [f64], k: &[f64], w: &[f64]) -> bool {
         let mixed = |source: &LineSource| matches!(source, LineSource::Mixed(_));
         let sums = if self.plan.source[range.clone()].iter().any(mixed) { self.unknowns() } else { 0 };
@@ -88,7 +88,8 @@ impl CondensedPattern {
         finite
     }
 
-    /// Adds a line of K, given by its entries, times L to `sums`, at the indices for which `stored` is true.
+    /// Adds a line (row or column) of K, given by its entries, times L to `sums`, at the indices for which `stored` is true. L holds T and
+    /// the identity.
     fn add_line(&self, entries: &[(u32, u32)], k: &[f64], sums: &mut [f64], stored: impl Fn(u32) -> bool) {
         for &(e, j) in entries {
             let row = self.row_of_l(j as usize).filter(|&(r, _)| stored(r));
@@ -127,7 +128,7 @@ fn each(starts: &[u32], values: &mut [f64], work: &(impl Fn(Range<usize>, &mut [
     }
 }
 
-/// Splits the lines into at most `most` ranges with about the same number of entries, each with its values.
+/// Splits the lines (rows or columns) into at most `most` ranges with about the same number of entries, each with its values.
 pub(super) fn line_ranges<'a>(
     starts: &[u32],
     mut values: &'a mut [f64],

@@ -36,8 +36,8 @@ impl DenseOrSparse {
         Self { memory, small: SMALL }
     }
 
-    /// Refuses a dense m x (n + k) block before it is allocated if three arrays of this size exceed the limit: the block, R, and the
-    /// remainder of a stage.
+    /// Refuses a dense m x n block with k right-hand sides before anything is allocated. Three m x (n + k) arrays must fit the limit: the
+    /// block, R, and the remainder of a stage.
     fn allow_dense(self, rows: usize, cols: usize, rhs: usize) -> Result<(), BackendError> {
         let needed = rows.saturating_mul(cols.saturating_add(rhs)).saturating_mul(3 * size_of::<f64>());
         check_limit(Faer.name(), (rows, cols), needed, self.memory)

@@ -145,7 +145,7 @@ pub enum BackendError {
     Failed {
         /// The name of the backend.
         backend: &'static str,
-        /// The message.
+        /// The message of the library.
         message: String,
     },
 }

@@ -23,7 +23,8 @@ use super::{Backend, BackendError, Factor};
 use crate::Csr;
 use crate::common::random::randoms;
 
-/// Largest number of steps of inverse iteration. The first is enough if the values below the limit are far smaller than all others.
+/// Largest number of steps of inverse iteration. The first step is enough if the singular values below the limit are far smaller than all
+/// others.
 const STEPS: usize = 2;
 /// Singular values below the limit have converged if they are smaller than all others by this factor.
 const CLEAR: f64 = 1e3;
@@ -43,9 +44,9 @@ pub(crate) struct Weak {
 }
 
 impl Factor {
-    /// Finds one column for each singular value of R1 that is at most `limit`; without these columns R1 has no such singular values. They
-    /// are the columns in which the singular vectors are most independent. `expected` is a guess of the number of values. None if there are
-    /// [`MOST`] values or more, or if the iteration fails.
+    /// Finds one weak column of R1 for each singular value that is at most `limit`; without these columns R1 has no such singular values.
+    /// The weak columns are those in which the singular vectors are most independent. `expected` is a guess of their number. None if there
+    /// are [`MOST`] values or more, or if the iteration fails.
     pub(crate) fn weak_columns(&self, limit: f64, expected: usize) -> Result<Option<Weak>, BackendError> {
         let Some(null) = self.near_null(limit, expected) else { return Ok(None) };
         if null.ncols() == 0 {

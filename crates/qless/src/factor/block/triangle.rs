@@ -23,10 +23,10 @@ const SEEDS: [u64; 2] = [0x51ed_270b, 0x85eb_ca6b];
 
 /// Largest number of corrections of the null-space vectors.
 const CORRECTIONS: usize = 3;
-/// If no weight of a correction exceeds this, the correction is only rounding.
+/// If a correction subtracts no kept row with a coefficient above this, the correction is only rounding.
 const DONE: f64 = 1e-12;
 
-/// Allowed relative error of an estimate, which is reported to a tenth of a digit.
+/// Allowed relative error of a solution from which an estimate is computed. A report shows the estimate to a tenth of a digit.
 const ENOUGH: f64 = 1e-3;
 
 /// Two vectors, stored entry by entry.
@@ -109,7 +109,7 @@ impl Triangle {
         Vectors { sample: lane(&x, 0), particular: lane(&x, 1), ..Vectors::default() }
     }
 
-    /// Two random vectors of the null space. If there are as many rows as DOFs, they are set to zero, because only rounding would remain.
+    /// Two random vectors of the null space. If there are as many rows as DOFs, the vectors are zero, because only rounding would remain.
     pub fn motions(&self, block: &Block) -> Vectors {
         let (r, n) = (self.rows.len(), block.matrix.cols);
         if r == n {
@@ -143,8 +143,8 @@ impl Triangle {
         x
     }
 
-    /// As [`Triangle::shortest`], to a relative error of 1e-3: corrected only if necessary. A solve without correction has the relative
-    /// error `u |C|^2 / sigma^2`, where u is the rounding unit and sigma the smallest singular value.
+    /// As [`Triangle::shortest`], to a relative error of 1e-3: corrected only if necessary. A solve with the kept rows C and without
+    /// correction has the relative error `u |C|^2 / sigma^2`, where u is the rounding unit and sigma the smallest singular value of C.
     pub fn nearly_shortest<const W: usize>(&self, block: &Block, b: &Slab<W>, sigma: f64) -> Slab<W> {
         let enough = f64::EPSILON * self.size_squared(block) < ENOUGH * sigma * sigma;
         if enough { self.first_shortest(block, b) } else { self.shortest(block, b) }

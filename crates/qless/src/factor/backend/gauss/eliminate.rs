@@ -52,7 +52,7 @@ impl GaussElimination {
         }
         let rows = rows(columns, &mut ledger)?;
         let mut queue = Queue::new(m, n, &mut ledger)?;
-        // In reverse, so that among rows of the same length the first one comes first.
+        // The queue puts the row that was added last first. So rows are added in reverse: the first one of equal length comes first.
         (0..m).rev().for_each(|i| queue.set(i as u32, rows[i].len()));
         Ok(Self {
             rows,
@@ -227,7 +227,7 @@ fn rows(columns: &Csr, ledger: &mut Ledger) -> Result<Vec<Vec<GaussEntry>>, Back
     Ok(rows)
 }
 
-/// The right-hand sides B by rows, and for each of them the sum of the squares of its entries in dropped rows.
+/// The right-hand sides B by rows, and for each right-hand side the sum of the squares of its entries in dropped rows.
 struct Right {
     width: usize,
     values: Vec<f64>,

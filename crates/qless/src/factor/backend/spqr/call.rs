@@ -41,7 +41,7 @@ impl Call {
         let mut dense = dense_view(b);
         let (b_in, z_out) =
             if b.count == 0 { (null_mut(), null_mut()) } else { (from_mut(&mut dense), &raw mut self.z) };
-        // econ = m keeps every row of Q^T B. The additional rows of R are empty, so this costs nothing.
+        // With econ = m, the number of rows of A, every row of `Q^T B` is kept. The additional rows of R are empty, so this costs nothing.
         let econ = b.rows as i64;
         // SAFETY: the views outlive the call, which only reads them. Outputs are null or owned by `self`. A dense Z is
         // requested exactly if B is not empty. H, HPinv and HTau may be null.
@@ -146,7 +146,8 @@ impl Drop for Call {
     }
 }
 
-/// Rounds to 24 bits. SuiteSparseQR sums this norm task by task, so its last bits depend on the tree; no other result does.
+/// Rounds the norm of the dropped entries to 24 bits. SuiteSparseQR sums this norm task by task, so its last bits depend on the tree; no
+/// other result does.
 fn without_last_bits(norm: f64) -> f64 {
     f64::from_bits((norm.to_bits() + (1 << 28)) & !((1 << 29) - 1))
 }
@@ -167,7 +168,7 @@ fn reserved<T>(length: usize) -> Result<Vec<T>, TryReserveError> {
 /// # Safety
 /// `data` has `length` entries, or `length` is 0.
 unsafe fn slice<'a, T>(data: *const T, length: usize) -> &'a [T] {
-    // SAFETY: the caller's promise. C may use a null pointer for an empty array; Rust may not.
+    // SAFETY: the caller guarantees the length. C may use a null pointer for an empty array; Rust may not.
     if length == 0 { &[] } else { unsafe { std::slice::from_raw_parts(data, length) } }
 }
 
@@ -277,7 +278,7 @@ impl InColumns<'_> {
             for (row, value) in self.entries(j..j + 1) {
                 if value != 0.0 && row < next.len() {
                     let place = next[row];
-                    // SAFETY: the caller's promise.
+                    // SAFETY: the caller guarantees a place for each entry.
                     unsafe {
                         to.col.add(place).write(j as u32);
                         to.val.add(place).write(value);

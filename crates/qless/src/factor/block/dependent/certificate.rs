@@ -38,8 +38,8 @@ pub(crate) struct Rows {
     pub nearness: Nearness,
     /// The factor of the kept rows.
     pub triangle: Triangle,
-    /// Root mean square of the 2-norms of the dependent rows' remainders; the largest of these norms if the choice of kept rows was
-    /// repaired. 0 if rounding explains the remainders.
+    /// The size of the dependent rows' remainders: the root mean square of their 2-norms, or the largest 2-norm if the choice of kept rows
+    /// was repaired. 0 if rounding explains the remainders.
     pub left: f64,
 }
 
@@ -80,9 +80,10 @@ impl Choice {
         if left > noise_of(block) { left } else { 0.0 }
     }
 
-    /// Computes sigma and the distance from dependence, which is `sigma / (max |y_i| max |v_j|)` with the singular vectors y of the rows
-    /// and v of the DOFs: the smallest change of one coefficient in the direction in which the rows are nearest to dependence. If sigma is
-    /// at least [`NEAR`], the result is sigma instead: a lower bound of the distance.
+    /// Computes the smallest singular value sigma and the distance of the rows from dependence. The distance is
+    /// `sigma / (max |y_i| max |v_j|)` with the singular vectors y of the rows and v of the DOFs: the smallest change of one coefficient in
+    /// the direction in which the rows are nearest to dependence. If sigma is at least [`NEAR`], the distance is set to sigma, a lower
+    /// bound.
     fn measured(block: &Block, triangle: Triangle, means: FactorContext) -> Self {
         let (sigma, y) = if means.check { triangle.factor.smallest_singular_value() } else { (1.0, Vec::new()) };
         let place = largest_place(&y);
@@ -213,7 +214,7 @@ pub(super) fn later(candidate: u32, holder: u32) -> bool {
 }
 
 /// Applies `sounder`, then keeps the earlier ones of equivalent equations and measures the nearness of these rows. This second choice is
-/// discarded if its sigma is less than half of the first.
+/// discarded if its smallest singular value is less than half of that of the first.
 pub(super) fn in_order(
     block: &Block,
     means: FactorContext,
@@ -235,7 +236,7 @@ fn kept_of(tableau: &Tableau) -> Vec<usize> {
 }
 
 /// If the kept rows seem nearly dependent, exchanges rows until no coefficient of a certificate exceeds [`STEEP`]. The exchanges count only
-/// if they increase sigma.
+/// if they increase the smallest singular value.
 pub(super) fn sounder(
     block: &Block,
     means: FactorContext,

@@ -37,13 +37,13 @@ struct LateCertificates {
     factor: Arc<Factor>,
     /// The factor `[R1 R2]` by columns, built when the first certificate is read.
     columns: OnceLock<Csr>,
-    /// For each column of R1, the name and the exponent of the kept row.
+    /// For each column of R1, the name (number) of its kept row, and the exponent of the power of two by which the block scales this row.
     rows: Vec<(u32, i32)>,
-    /// The columns of R1, sorted by the names of their rows.
+    /// The columns of R1, sorted by the names (numbers) of their kept rows.
     by_name: Vec<usize>,
     /// For each dropped row, the exponent by which the block scales it.
     exponents: Vec<i32>,
-    /// Coefficients below this fraction of the largest are rounding.
+    /// Coefficients of a certificate below this fraction of its largest one are rounding.
     noise: f64,
 }
 

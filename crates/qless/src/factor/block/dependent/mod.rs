@@ -15,7 +15,7 @@ use weak::{ROUNDS, unexplained, without_weak};
 
 pub(super) use certificate::Rows;
 
-/// Largest m n of a block that is factored again, with pivoting, if it seems nearly dependent.
+/// Largest size m n (rows times DOFs) of a block that is factored again, with pivoting, if it seems nearly dependent.
 const DENSE: usize = 1 << 20;
 
 /// Tolerance for rows that are known to be independent; a tolerance of zero would let backends take rounding for a pivot.
