@@ -24,8 +24,8 @@ pub(crate) struct Step {
 #[derive(Clone, Debug)]
 pub(crate) struct EmptiedRow {
     pub row: u32,
-    /// The largest [`Entry::certain_left`](super::rows::Entry::certain_left) of the row's coefficients: those that were dropped before, and
-    /// those that were left when the row was classified. 0 if only rounding was dropped.
+    /// The largest [`Entry::certain_left`](super::rows::Entry::certain_left) of the row's coefficients: the fraction of a coefficient's
+    /// largest term that was treated as zero. Coefficients that were dropped earlier count too. 0 if only rounding was dropped.
     pub dropped: f64,
     /// [`WorkingRow::reach`] of this row: the largest product of factors by which elimination added a user's equation to the row.
     pub reach: f64,

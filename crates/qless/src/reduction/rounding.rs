@@ -244,7 +244,8 @@ impl ColumnSums {
     }
 }
 
-/// A choice of units, and the factors of [`Units::sizes`] for the columns of the relation; the factor of the constant is 1.
+/// A choice of units, and for each column of the relation the factor that makes its entries comparable ([`Units::sizes`]); the factor of
+/// the constant is 1.
 struct ColumnSizes<'a> {
     units: Units<'a>,
     of_column: Vec<f64>,

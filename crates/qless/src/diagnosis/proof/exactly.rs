@@ -125,7 +125,7 @@ impl<'a> Explanation<'a> {
             };
             let done = eliminate(field, matrix.into_iter().map(placed).collect(), sides, place.len(), FILL).ok()?;
             found.is_combination &= done.pivots.len() <= terms.len();
-            // Too few pivots modulo a prime prove nothing about the right-hand sides.
+            // If the rank modulo a prime is below the number of terms, a contradicting row proves nothing about the right-hand sides.
             if done.pivots.len() != terms.len() && !done.contradicting.is_empty() {
                 return None;
             }

@@ -177,7 +177,7 @@ impl CondensedPattern {
         Ok(element)
     }
 
-    /// Returns true if row or column j of the element matrices contributes to one of these lines (rows or columns) of K_q.
+    /// Returns true if DOF j of an element contributes to one of these lines (rows or columns) of K_q.
     fn touches(&self, j: usize, lines: &Range<usize>) -> bool {
         self.row_of_l(j).any(|(r, _)| lines.contains(&(r as usize)))
     }

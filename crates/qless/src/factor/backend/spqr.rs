@@ -194,7 +194,7 @@ fn all_finite(values: &[f64]) -> bool {
     values.iter().all(|v| v.is_finite())
 }
 
-/// The factorization with W = I of a block without nonzero entries. The C code does not accept every empty matrix.
+/// The factorization `W A P = [R1 R2; 0 0]` with W = I of a block A without nonzero entries. The C code does not accept every empty matrix.
 fn nothing_to_factor(n: usize, b: TallRhs) -> Result<Factor, TryReserveError> {
     let (order, r) = (collected(n, 0..n)?, Csr::empty(n));
     Ok(Factor { rank: 0, order, r, rhs: Vec::new(), rest: b.rest(0)?, dropped: 0.0 })

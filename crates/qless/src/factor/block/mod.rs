@@ -24,7 +24,7 @@ pub(crate) use twins::diagnose_all;
 /// The diagnosis of a matrix; rows and DOFs are named by their places in it.
 struct Found {
     rows: Rows,
-    /// Only the random vectors of the null space are set; the two solutions are empty.
+    /// Only the two random vectors of the null space are set; the two minimum-norm solutions are empty.
     motions: Vectors,
 }
 

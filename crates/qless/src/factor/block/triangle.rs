@@ -121,7 +121,7 @@ impl Triangle {
         let seeds = seeds(block);
         let mut moves = pair(n, |c, j| seeds[c * n + j]);
         self.subtract_from(block, &weights, &mut moves);
-        // Corrects the rounding errors of large weights.
+        // If kept rows were subtracted with large coefficients, the vectors have rounding errors, which these corrections remove.
         for _ in 0..CORRECTIONS {
             let mut left = self.times(block, &moves);
             self.normal(&mut left);

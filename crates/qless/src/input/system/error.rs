@@ -49,7 +49,7 @@ pub enum SystemError {
         row: usize,
         /// The column that is not above the one before it.
         column: usize,
-        /// The column before that one in the list, which should be smaller.
+        /// The preceding column of the row, which is not smaller.
         before: usize,
     },
     /// The starts of compressed rows or columns do not ascend from 0 to the number of entries.

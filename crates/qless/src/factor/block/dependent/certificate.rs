@@ -13,14 +13,14 @@ use crate::presolve::eliminated::Mismatch;
 /// [`ROUNDING`] units in the last place times the condition.
 pub(super) const NOISE: f64 = 1e-11;
 
-/// Bound of the remainder of a dependent row after a QR, in units in the last place times `sqrt(m) + sqrt(n)`.
+/// Bound of the remainder of a dependent row of an m x n block after a QR, in units in the last place times `sqrt(m) + sqrt(n)`.
 pub(super) const ROUNDING: f64 = 8.0;
 
 /// A row whose 2-norm after presolve is below this is small as a whole.
 const SMALL_ROW: f64 = 1e-9;
 
-/// Error of a certificate: this many units in the last place of its largest coefficient for each term, times the condition of the kept
-/// rows.
+/// Error of a certificate, in units in the last place of its largest coefficient: this number times the number of terms times the condition
+/// of the kept rows.
 pub(super) const CERTIFICATE_UNITS: f64 = 2.0;
 
 /// Certificates with at most this many coefficients in total are all computed at once.
