@@ -11,10 +11,11 @@ const NEAR: f64 = 1e-7;
 const NO_MISMATCH: f64 = 1e-12;
 /// A nonzero mismatch below this may stand for zero.
 const SMALL_MISMATCH: f64 = 1e-6;
-/// A term of a certificate below this fraction of the largest one may be rounding: certificates are accurate to `1e-11 / d`.
+/// A term of a certificate below this fraction of the largest one may be rounding. Certificates are accurate to `1e-11 / d`, where d is the
+/// distance of the kept equations from dependence.
 pub(super) const ACCURACY: f64 = 1e-11;
-/// A relative mismatch above this is larger than the error of any certificate with `d >= NEAR`. If `d < NEAR`, the kept equations are in
-/// doubt anyway.
+/// A relative mismatch above this is larger than the error of any certificate with `d >= NEAR`, where d is the distance of the kept
+/// equations from dependence. If `d < NEAR`, the kept equations are in doubt anyway.
 pub(super) const CLEAR_MISMATCH: f64 = ACCURACY / NEAR;
 
 /// Why a verdict is in doubt.

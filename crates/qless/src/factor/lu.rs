@@ -25,7 +25,7 @@ pub(crate) struct SparseLu {
     pub l: Csr,
     /// The factor U of `C^T = [L11; L21] U` by rows, without its diagonal.
     pub u: Csr,
-    /// The diagonal of U.
+    /// The diagonal of the factor U.
     pub diagonal: Vec<f64>,
 }
 
@@ -106,7 +106,7 @@ pub(crate) fn factor(
     for (k, &equation) in order.iter().enumerate() {
         work.reach(k as u32, equation);
         work.eliminate(k, equation)?;
-        // L and U exist twice while they are converted from columns to rows.
+        // The factors L and U exist twice while they are converted from columns to rows.
         let bytes = 32 * (work.values.len() + work.upper.nnz());
         if bytes > memory {
             return Err(LuError::Memory(bytes));
@@ -142,7 +142,7 @@ impl LuWork<'_> {
         }
     }
 
-    /// The range of a slave's column of L; empty for a master.
+    /// The range of a slave's column in the factor L; empty for a master.
     fn column(&self, dof: u32) -> std::ops::Range<usize> {
         match self.step_of[dof as usize] {
             NONE => 0..0,
@@ -169,7 +169,7 @@ impl LuWork<'_> {
         self.choose(k, ROUNDING * largest)
     }
 
-    /// Chooses the slave of step k, and stores the rest of the equation as a column of L.
+    /// Chooses the slave of step k, and stores the rest of the equation as a column of the factor L.
     fn choose(&mut self, k: usize, rounding: f64) -> Result<(), LuError> {
         let left = |&&dof: &&u32| self.step_of[dof as usize] == NONE;
         let may = |&&dof: &&u32| self.count[dof as usize] != NONE;

@@ -151,7 +151,7 @@ pub struct PartRank {
 }
 
 impl ExactRank {
-    /// Upper bound of the probability that the rank is too small: `(40 (r + 3) / 2.7e16)^2`, over all draws of the primes.
+    /// Upper bound of the probability that the rank r is too small: `(40 (r + 3) / 2.7e16)^2`, over all draws of the primes.
     pub fn error_chance(&self) -> f64 {
         (40.0 * (self.rank as f64 + 3.0) / 2.7e16).powi(2)
     }

@@ -215,8 +215,8 @@ fn is_enclosed(analysis: &Analysis, dependent: &Dependent, terms: &[CertificateT
 const ROUNDING: f64 = f64::EPSILON * 64.0;
 
 /// Returns true if the combination of a certificate equals its equation to rounding, with the errors of the sums counted. A sum of n terms,
-/// computed with twice the digits, is wrong by at most a unit in its last place plus `(n u)^2` times the sum of the magnitudes of its terms
-/// (Ogita, Rump, Oishi 2005).
+/// computed with twice the digits, is wrong by at most a unit in its last place plus `(n u)^2` times the sum of the magnitudes of its
+/// terms, where u is the rounding unit (Ogita, Rump, Oishi 2005).
 fn is_combination(analysis: &Analysis, row: usize, terms: &[CertificateTerm]) -> bool {
     let n = (terms.len() + 2) as f64 * f64::EPSILON;
     let is_rounding = |&(left, size): &(f64, f64)| {

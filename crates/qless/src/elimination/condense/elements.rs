@@ -1,5 +1,5 @@
 //! Assembles elements directly into the condensed matrix, without K: `K_q += L_e^T K_e L_e`, `f_q += L_e^T (f_e - K_e u_0)`. `K_e` and
-//! `f_e` are the matrix and the forces of element e, and `L_e` holds the rows of L of its DOFs.
+//! `f_e` are the matrix and the forces of element e. `L_e` holds those rows of L in `u = L u_q + u_0` that belong to its DOFs.
 
 use std::ops::Range;
 

@@ -1,4 +1,5 @@
-//! Patterns of K_q and of `W = K_S L` (K_S: the lines of the slaves in K), compressed by rows or columns like K. Work space for values.
+//! Patterns of K_q and of `W = K_S L`, compressed by rows or columns like K, and work arrays. K_S holds the lines (rows or columns) of the
+//! slaves in K, and L holds T and the identity.
 
 use std::sync::{Mutex, PoisonError};
 

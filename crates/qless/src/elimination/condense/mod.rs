@@ -46,9 +46,9 @@ pub struct CondensedPattern {
     /// The stored half by lines (rows or columns): line q of K_q contains index r if `half` holds `(q, r)`. It is `storage` if lines are
     /// rows, and its transpose if lines are columns.
     half: Storage,
-    /// L: a row for each slave, over the unknowns of K_q.
+    /// The matrix L of `u = L u_q + u_0`: a row for each eliminated slave, over the unknowns of K_q.
     l: Csr,
-    /// `L^T`: for each unknown the slaves whose rows contain it.
+    /// For each unknown the slaves whose rows of L contain it, that is, `L^T`.
     slaves_of: Csr,
     /// DOF of each unknown, ascending.
     dofs: Vec<usize>,
@@ -242,7 +242,8 @@ impl CondensedPattern {
         self.by_columns
     }
 
-    /// The row of L of a DOF: a single 1 for an unknown, the row of `l` for an eliminated slave, empty for an eliminated prescribed DOF.
+    /// The row of a DOF in the matrix L of `u = L u_q + u_0`: a single 1 for an unknown, the row of `l` for an eliminated slave, empty for
+    /// an eliminated prescribed DOF.
     #[inline]
     fn row_of_l(&self, dof: usize) -> impl Iterator<Item = (u32, f64)> + '_ {
         let (unknowns, values): (&[u32], &[f64]) = match (&self.number[dof], self.slave[dof]) {

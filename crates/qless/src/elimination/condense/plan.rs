@@ -21,7 +21,7 @@ pub(super) struct CondensePlan {
     pub of_prescribed: Vec<(u32, Entries)>,
     /// True if K is stored by columns with all entries, so that it need not be symmetric.
     pub by_columns: bool,
-    /// Pattern of `W = K_S L`, where K_S holds the lines of the slaves in K.
+    /// Pattern of `W = K_S L`. K_S holds the lines (rows or columns) of the slaves in K, and L holds T and the identity.
     pub w: Lines,
 }
 
@@ -30,8 +30,8 @@ pub(super) struct CondensePlan {
 pub(super) enum LineSource {
     /// A copy of consecutive entries of K, starting at this one.
     Copied(u32),
-    /// A sum: this line of [`CondensePlan::mixed`] times L, plus the lines of W ([`CondensePlan::w`]) of the slaves that depend on the
-    /// unknown.
+    /// A sum: this line (row or column) of [`CondensePlan::mixed`] times L, which holds T and the identity, plus the lines of W
+    /// ([`CondensePlan::w`]) of the slaves that depend on the unknown.
     Mixed(u32),
 }
 
@@ -121,7 +121,7 @@ impl CondensedPattern {
         Ok(())
     }
 
-    /// Adds the unknowns in row j of L to `union`, except those for which `stored` is false.
+    /// Adds the unknowns in row j of L, which expresses DOF j, to `union`, except those for which `stored` is false.
     fn reached(&self, j: u32, union: &mut Union, stored: impl Fn(u32) -> bool) {
         self.row_of_l(j as usize).map(|(r, _)| r).filter(|&r| stored(r)).for_each(|r| union.add(r));
     }

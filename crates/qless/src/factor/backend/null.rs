@@ -35,11 +35,11 @@ const GROWTH: usize = 2;
 /// Largest number of vectors: a matrix with more small singular values is not nearly of full rank.
 const MOST: usize = 512;
 
-/// Columns of R1 that are nearly combinations of others.
+/// Columns of the triangular factor R1 that are nearly combinations of others.
 pub(crate) struct Weak {
-    /// Positions of the weak columns in R1.
+    /// Positions of the weak columns in the triangular factor R1.
     pub columns: Vec<usize>,
-    /// An orthonormal basis of the near null space of R1, r x k for k weak columns.
+    /// An orthonormal basis of the near null space of the triangular factor R1 (r x r); r x k for k weak columns.
     pub null: Mat<f64>,
 }
 
@@ -59,7 +59,7 @@ impl Factor {
         Ok(Some(Weak { columns: factor.order[..factor.rank].to_vec(), null }))
     }
 
-    /// An orthonormal basis of the near null space of R1, r x k.
+    /// An orthonormal basis of the near null space of the triangular factor R1 (r x r): r x k for k singular values up to `limit`.
     fn near_null(&self, limit: f64, expected: usize) -> Option<Mat<f64>> {
         let mut width = (expected + BLOCK).next_multiple_of(BLOCK).min(MOST).min(self.rank);
         while width > 0 {
@@ -76,7 +76,7 @@ impl Factor {
         Some(Mat::zeros(self.rank, 0))
     }
 
-    /// Ritz vectors and values of R1 after inverse iteration with `width` vectors; the values descend.
+    /// Ritz vectors and values of the triangular factor R1 after inverse iteration with `width` vectors; the values descend.
     fn ritz(&self, width: usize, limit: f64) -> Option<(Mat<f64>, Vec<f64>)> {
         let random: Vec<f64> = randoms(7).take(self.rank * width).map(|x| x - 1.0).collect();
         let mut x = slabs(width, self.rank, |c, i| random[c * self.rank + i]);
@@ -101,7 +101,7 @@ impl Factor {
         None
     }
 
-    /// `X <- R1^-1 R1^-T X`, each vector scaled to a largest entry of 1.
+    /// A step of inverse iteration, `X <- R1^-1 R1^-T X` with the triangular factor R1; each vector is scaled to a largest entry of 1.
     fn inverse_step(&self, x: &mut Slab) {
         self.solve_slab_transposed(x);
         self.solve_slab(x);
@@ -162,7 +162,8 @@ mod tests {
     use super::super::check::Random;
     use super::*;
 
-    /// R1 of full rank in which `sums` columns are sums of two others plus a remainder `left`; a QR without pivoting keeps them.
+    /// A triangular factor R1 of full rank in which `sums` columns are sums of two others plus a remainder `left`. A QR without pivoting
+    /// keeps them.
     fn with_sums(rank: usize, sums: usize, left: f64) -> Factor {
         let mut random = Random(3);
         let mut columns: Vec<Vec<f64>> = Vec::new();

@@ -200,7 +200,7 @@ fn nothing_to_factor(n: usize, b: TallRhs) -> Result<Factor, TryReserveError> {
     Ok(Factor { rank: 0, order, r, rhs: Vec::new(), rest: b.rest(0)?, dropped: 0.0 })
 }
 
-/// Returns true if row i starts at column i; R1 is then upper triangular and nonsingular.
+/// Returns true if row i of R starts at column i; then R1, its leading square part, is upper triangular and nonsingular.
 fn is_trapezoidal(r: &Csr) -> bool {
     (0..r.rows()).all(|i| r.row(i).next().is_some_and(|(j, _)| j == i))
 }

@@ -55,7 +55,7 @@ impl<'a> FactorContext<'a> {
         Self { backend, tolerance, check, reference: DenseOrSparse::new(memory) }
     }
 
-    /// A backend whose R has the singular values of the block.
+    /// A backend whose triangular factor has the singular values of the block.
     pub fn orthogonal(&self) -> &dyn Backend {
         if self.backend.is_orthogonal() { self.backend } else { &self.reference }
     }

@@ -36,7 +36,7 @@ type VectorPair = Slab<2>;
 #[derive(Clone)]
 pub(crate) struct Triangle {
     pub factor: Arc<Factor>,
-    /// Row of the block for each column of R1.
+    /// For each column of the triangular factor R1, the row of the block.
     pub rows: Vec<usize>,
     /// Rows whose certificates the factor can compute: those asked for, then those left out as dependent.
     pub dropped: Vec<usize>,
@@ -84,7 +84,8 @@ impl Triangle {
         &self.factor.rest[SEEDS.len()..]
     }
 
-    /// The certificates `y = R1^-1 Q^T c` of the rows c in [`Triangle::dropped`]; coefficients are in the order of [`Triangle::rows`].
+    /// The certificates `y = R1^-1 Q^T c` of the rows c in [`Triangle::dropped`], with the QR factorization of the kept rows. Coefficients
+    /// are in the order of [`Triangle::rows`].
     pub fn certificates(&self) -> Vec<Vec<f64>> {
         let r = self.factor.rank;
         let asked = self.factor.rhs[SEEDS.len() * r..].chunks(r.max(1));
@@ -161,7 +162,8 @@ impl Triangle {
         rows * columns.into_iter().fold(0.0, f64::max)
     }
 
-    /// The minimum-norm solution `C_k^T R^-1 R^-T b` without a correction; `C_k` holds the kept rows.
+    /// The minimum-norm solution `C_k^T R^-1 R^-T b` of `C_k x = b` without a correction. `C_k` holds the kept rows, and R is the
+    /// triangular factor of `C_k^T`.
     pub fn first_shortest<const W: usize>(&self, block: &Block, b: &Slab<W>) -> Slab<W> {
         let mut x = vec![[0.0; W]; block.matrix.cols];
         let mut step = b.iter().map(|b| b.map(|b| -b)).collect();
@@ -170,14 +172,15 @@ impl Triangle {
         x
     }
 
-    /// `(R^T R)^-1 C_k X`: the combinations of the kept rows `C_k` that are nearest to X, in the order of [`Triangle::rows`].
+    /// The combinations `(R^T R)^-1 C_k X` of the kept rows `C_k` that are nearest to X, in the order of [`Triangle::rows`]. R is the
+    /// triangular factor of `C_k^T`.
     pub fn projected(&self, block: &Block, x: &Slab) -> Slab {
         let mut z = self.times(block, x);
         self.normal(&mut z);
         z
     }
 
-    /// `Z <- (R^T R)^-1 Z`, by two triangular solves.
+    /// `Z <- (R^T R)^-1 Z`, by two solves with the triangular factor R of the kept rows.
     fn normal<const W: usize>(&self, z: &mut Slab<W>) {
         self.factor.solve_slab_transposed(z);
         self.factor.solve_slab(z);

@@ -85,7 +85,7 @@ pub(crate) struct Vectors {
 /// A DOF moves if its entry in a random vector of the null space is above `ZERO_UNITS eps / sigma`, limited to [`ZERO`]; sigma is the
 /// smallest singular value of the kept rows.
 const ZERO_UNITS: f64 = 8.0;
-/// Lower and upper limit of the threshold `ZERO_UNITS eps / sigma`, for any sigma.
+/// Lower and upper limit of the threshold `ZERO_UNITS eps / sigma`, for any smallest singular value sigma.
 const ZERO: [f64; 2] = [1e-13, 1e-8];
 
 impl Vectors {
@@ -112,8 +112,8 @@ impl Vectors {
 pub(crate) struct Nearness {
     /// Estimate of the smallest singular value.
     pub sigma: f64,
-    /// Estimate of the smallest change of one coefficient that makes the kept rows dependent; at least sigma. For a chain it does not
-    /// decrease with the length of the chain.
+    /// Estimate of the smallest change of one coefficient that makes the kept rows dependent; at least their smallest singular value. For a
+    /// chain it does not decrease with the length of the chain.
     pub distance: f64,
 }
 

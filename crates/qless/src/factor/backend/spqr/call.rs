@@ -172,7 +172,7 @@ unsafe fn slice<'a, T>(data: *const T, length: usize) -> &'a [T] {
     if length == 0 { &[] } else { unsafe { std::slice::from_raw_parts(data, length) } }
 }
 
-/// A as a CHOLMOD matrix, m x n in compressed columns. C takes mutable pointers but only reads.
+/// The block A as a CHOLMOD matrix, m x n in compressed columns. C takes mutable pointers but only reads.
 fn sparse_view(columns: &Csr, start: &mut [i64], index: &mut [i64]) -> cholmod_sparse {
     cholmod_sparse {
         nrow: columns.cols,
@@ -192,7 +192,7 @@ fn sparse_view(columns: &Csr, start: &mut [i64], index: &mut [i64]) -> cholmod_s
     }
 }
 
-/// B as a CHOLMOD matrix; C only reads it.
+/// The right-hand sides B as a CHOLMOD matrix; C only reads it.
 fn dense_view(b: TallRhs) -> cholmod_dense {
     cholmod_dense {
         nrow: b.rows,
@@ -206,7 +206,7 @@ fn dense_view(b: TallRhs) -> cholmod_dense {
     }
 }
 
-/// R as C returns it: the start of each column, and the row (not sorted) and value of each entry.
+/// The factor R as C returns it: the start of each column, and the row (not sorted) and value of each entry.
 #[derive(Clone, Copy)]
 struct InColumns<'a> {
     start: &'a [i64],
@@ -214,7 +214,7 @@ struct InColumns<'a> {
     value: &'a [f64],
 }
 
-/// Destination of the entries of R by rows.
+/// Memory to which the entries of the factor R are written by rows.
 #[derive(Clone, Copy)]
 struct Places {
     col: *mut u32,
@@ -225,7 +225,7 @@ struct Places {
 unsafe impl Sync for Places {}
 
 impl InColumns<'_> {
-    /// Converts rows 0..rank to compressed rows without exact zeros, on this number of threads of the caller's pool.
+    /// Converts rows `0..rank` of the factor R to compressed rows without exact zeros, on this number of threads of the caller's pool.
     ///
     /// R is by far the largest result, so it is written only once, and its allocation can fail. Each thread takes a range of columns
     /// and writes its entries of each row after those of the ranges before.

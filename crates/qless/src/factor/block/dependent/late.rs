@@ -35,7 +35,7 @@ const SURE: f64 = 4.0;
 #[derive(Debug)]
 struct LateCertificates {
     factor: Arc<Factor>,
-    /// The factor `[R1 R2]` by columns, built when the first certificate is read.
+    /// The factor `[R1 R2]` of the kept and the dropped rows by columns, built when the first certificate is read.
     columns: OnceLock<Csr>,
     /// For each column of R1, the name (number) of its kept row, and the exponent of the power of two by which the block scales this row.
     rows: Vec<(u32, i32)>,
@@ -60,8 +60,8 @@ impl LateCertificates {
 }
 
 impl LateCertificates {
-    /// Solves `R1 y = R2_k` from the last row up. Entries that are only rounding are set to zero, so that they cost nothing in the rows
-    /// above.
+    /// Solves `R1 y = R2_k` for the certificate y of dropped row k, from the last row of R1 up. Entries that are only rounding are set to
+    /// zero, so that they cost nothing in the rows above.
     fn solved(&self, k: usize) -> Vec<f64> {
         let rank = self.rows.len();
         let columns = self.columns.get_or_init(|| self.factor.r.transposed());
