@@ -309,7 +309,7 @@ impl Pipeline<'_> {
         let terms = d.source.explain(history);
         let members = terms.iter().map(|term| term.row).chain([d.row]);
         let precision = typed_precision(members.map(|row| self.local.row(row).map(|(_, value)| value)));
-        // Only right-hand sides of the certificate count: the elimination may have added larger ones and subtracted them again.
+        // Only right-hand sides of the certificate count. The elimination may have added larger ones and subtracted them again.
         let sides = terms.iter().map(|term| (term.coefficient * side(self.rule, term.row).size).abs());
         let size = sides.fold(side(self.rule, d.row).size, f64::max);
         d.mismatch.abs() < precision * size

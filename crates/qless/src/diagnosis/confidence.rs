@@ -4,8 +4,8 @@ use crate::diagnosis::classify::Dependent;
 use crate::input::noise::is_typed;
 use crate::{ConstraintSystem, Tolerance};
 
-/// If changes smaller than this make the kept equations dependent, they are in doubt: computed coefficients may be wrong in their 8th
-/// digit.
+/// The kept equations are in doubt if relative changes of coefficients smaller than this make them dependent: computed coefficients may be
+/// wrong in their 8th digit.
 const NEAR: f64 = 1e-7;
 /// A mismatch of the right-hand sides up to this, relative to its terms, is zero: rounding of the terms can cause it.
 const NO_MISMATCH: f64 = 1e-12;

@@ -28,7 +28,7 @@ pub(crate) struct Generated {
     pub dofs: Vec<u32>,
 }
 
-/// The DOFs of `fixed` that also stay at rest in a second probe, with other random values of the masters; ascending by the user's numbers.
+/// The DOFs of `fixed` that are also zero in a second random vector of the null space, ascending by the user's numbers.
 pub(crate) fn find(
     mut fixed: Vec<u32>,
     system: LocalSystem,

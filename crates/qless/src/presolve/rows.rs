@@ -49,7 +49,7 @@ impl Entry {
         self.value.abs() / self.size.max(f64::MIN_POSITIVE)
     }
 
-    /// [`Entry::left`], or 0 if it may be only rounding.
+    /// The fraction of the largest term that is left ([`Entry::left`]), or 0 if the coefficient may be only rounding.
     pub fn certain_left(&self) -> f64 {
         if self.is_certain() { self.left() } else { 0.0 }
     }

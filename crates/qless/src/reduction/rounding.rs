@@ -23,7 +23,7 @@ struct Units<'a> {
 }
 
 impl<'a> Units<'a> {
-    /// The two choices of units; only one if they are equal.
+    /// The two choices of units, those of the block's matrix and balanced ones; only one if they are equal.
     fn all(block: &'a Block) -> impl Iterator<Item = Self> {
         let both = block.balanced.iter().any(|&unit| unit != 0);
         [false, true].into_iter().take(1 + usize::from(both)).map(move |is_balanced| Self { block, is_balanced })
@@ -252,7 +252,7 @@ struct ColumnSizes<'a> {
 }
 
 impl ColumnSizes<'_> {
-    /// The size of an entry in the row of a slave, in these units.
+    /// The size of an entry in the row of a slave, in the units of this choice.
     fn of(&self, slave: u32, &(c, v): &(usize, f64)) -> f64 {
         ldexp(v.abs() * self.of_column[c], -self.units.dof(slave))
     }

@@ -128,7 +128,7 @@ pub struct ExactRank {
     pub reading: Reading,
     /// Rank of `C_f`, the columns of free DOFs.
     pub rank: usize,
-    /// Rank of `[C_f | b - C_p u_p]`: the same if the equations have a solution, else one more.
+    /// Rank of `[C_f | b - C_p u_p]`: that of `C_f` if the equations have a solution, else one more.
     pub augmented_rank: usize,
     /// The primes, between 2^60 and 2^61.
     pub primes: [u64; 2],

@@ -9,7 +9,8 @@ use crate::diagnosis::certificate::CertificateTerm;
 use crate::factor::backend::{Factor, norm};
 use crate::input::scale::ldexp;
 
-/// Terms of a combination below this many times the difference are dropped: they only fit rounding errors.
+/// Terms of a combination are dropped if their size is below this many times the difference between the row and the combination: they only
+/// fit rounding errors.
 const FITTED: f64 = 3.0;
 /// A term `y_i row_i` is uncertain if `|y_i| |row_i|` is below this many times `sqrt(distance) |row_k|`: it may belong to the combination
 /// that nearly equals row k, or not.
@@ -71,8 +72,8 @@ impl NearCombination {
         self.distance <= limit && self.digits(part) >= LEAST_DIGITS
     }
 
-    /// For each DOF, the difference d, its largest term and, if only one equation contains the DOF, the coefficient of the DOF relative to
-    /// the largest coefficient of that equation.
+    /// For each DOF, the difference d between the row and its combination, and the largest term of d. If only one equation contains the
+    /// DOF, also its coefficient relative to the largest coefficient of that equation.
     fn rest(&self, part: &ScaledEquations) -> BTreeMap<usize, (f64, f64, Option<f64>)> {
         let mut rest: BTreeMap<usize, (f64, f64, Option<f64>)> = BTreeMap::new();
         let mut add = |row: usize, y: f64| {

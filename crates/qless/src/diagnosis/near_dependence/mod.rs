@@ -20,7 +20,7 @@ use rayon::prelude::*;
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct NearDependence {
-    /// Rank if the equations below are meant as combinations of others; [`Analysis::rank`] is the rank as typed.
+    /// Rank if the nearly dependent equations are meant as combinations of others; [`Analysis::rank`] is the rank as typed.
     pub rank: usize,
     /// The equations that are meant as combinations of others, and so are redundant or conflicting; ascending by row, at least one.
     pub equations: Vec<NearDependent>,

@@ -18,7 +18,7 @@ use crate::input::reading::Number;
 pub(super) struct Found {
     /// True if the equation is a combination of the equations of its certificate.
     pub is_combination: bool,
-    /// True if the factors of the certificate also combine the right-hand sides of its equations to that of the equation.
+    /// True if the right-hand side of the equation is the same combination of the right-hand sides of the certificate's equations.
     pub sides_agree: bool,
 }
 

@@ -127,8 +127,8 @@ impl Factor {
         }
     }
 
-    /// For H rows of a run: the values in their triangle, by row; the values to the right of the triangle, by row; and the columns of the
-    /// latter.
+    /// For H rows of a run: the values in their triangle, by row; the values to the right of the triangle, by row; and the columns of these
+    /// values to the right.
     #[inline(always)]
     fn run<const H: usize>(&self, first: usize) -> ([&[f64]; H], [&[f64]; H], &[u32]) {
         let places = &self.row_of_r1(first + H - 1).0[1..];
@@ -147,7 +147,7 @@ impl Factor {
     }
 }
 
-// These are structures because a closure would not be inlined into the function that enables wider registers.
+// The triangular solves are structures because a closure would not be inlined into the function that enables wider registers.
 struct Backward<'a, const W: usize>(&'a Factor, &'a mut Slab<W>);
 struct Forward<'a, const W: usize>(&'a Factor, &'a mut Slab<W>);
 struct Product<'a>(&'a Factor, &'a Slab);

@@ -8,7 +8,7 @@ use crate::Csr;
 use crate::input::scale::ldexp;
 use crate::presolve::eliminated::Mismatch;
 
-/// Kept equations are nearly dependent if a change of one coefficient by less than this makes them dependent, for any tolerance.
+/// Kept equations are nearly dependent if a change of one coefficient by less than this makes them dependent, whatever the tolerance is.
 pub(crate) const NEAR: f64 = 3e-6;
 
 /// Terms of `row = sum y_i row_i` over kept rows of a block. Rows are numbered as in `Eliminated::rows`.
@@ -44,8 +44,8 @@ pub(crate) struct BlockDependent {
     pub units: f64,
     /// What remains of the row after its certificate is subtracted, relative to the size of the row.
     pub dropped: f64,
-    /// The right-hand side of the row (without prescribed terms) minus that of its certificate. While blocks with the same matrix are
-    /// diagnosed together, there is one for each of them.
+    /// The right-hand side of the row (without prescribed terms) minus that of its certificate. Blocks with the same matrix are diagnosed
+    /// together; meanwhile there is one such mismatch for each of these blocks.
     pub mismatches: Vec<Mismatch>,
 }
 

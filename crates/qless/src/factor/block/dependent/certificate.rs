@@ -172,7 +172,8 @@ pub(super) fn dependent(
     let error = units * because.len() as f64 * f64::EPSILON * largest;
     let mismatch = |sides: &Vec<Mismatch>| mismatch(sides, tableau, i, noise * largest, error);
     let mismatches = block.effective.iter().map(|sides| mismatch(sides).scaled(-block.exponents[k])).collect();
-    // `left` is common to all rows. What remains of this row may be smaller, or may be only the rounding error of its terms.
+    // `left` is the size of the remainders of all dependent rows. What remains of this row may be smaller, or may be only the rounding
+    // error of its terms.
     let left = if left > 0.0 { left.min(confirmed(block, tableau, i)) } else { left };
     let (because, dropped) = (BlockCertificate::Known(because), small_row(block, k, left));
     Dependent { row: block.rows[k], because, units, dropped, mismatches }

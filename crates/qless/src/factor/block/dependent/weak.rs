@@ -118,7 +118,7 @@ fn with_null_space(first: &Choice, weak: &Weak) -> Option<Tableau> {
     data.iter().all(|v| v.is_finite()).then(|| Tableau { basic, free: names(rows), width, data })
 }
 
-/// Exchanges the weak rows with the vanishing combinations, and removes the columns of the latter.
+/// Exchanges the weak rows with the vanishing combinations, and then removes the columns of these combinations.
 fn without(weak: &Weak, mut tableau: Tableau) -> Option<Tableau> {
     let mut weak = weak.columns.clone();
     for i in (0..tableau.basic.len()).filter(|&i| tableau.basic[i] == NOTHING).collect::<Vec<_>>() {
