@@ -16,9 +16,9 @@ use crate::input::reading::Reading;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Tolerance {
-    /// Relative, as described above; the default is 1e-10. Any other value settles the doubts [`Doubt::Near`](crate::Doubt::Near),
-    /// [`Doubt::NoGap`](crate::Doubt::NoGap) and [`Doubt::Mismatch`](crate::Doubt::Mismatch): differences up to it are rounding, and larger
-    /// ones are meant.
+    /// The fraction of the terms that may remain; the default is 1e-10. Any other value settles the doubts
+    /// [`Doubt::Near`](crate::Doubt::Near), [`Doubt::NoGap`](crate::Doubt::NoGap) and [`Doubt::Mismatch`](crate::Doubt::Mismatch):
+    /// differences up to this value are rounding, and larger ones are meant.
     Relative(f64),
     /// The paper's rule (section 3.2): no scaling, absolute 1e-5. The result depends on the units.
     Paper,

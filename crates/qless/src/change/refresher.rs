@@ -50,8 +50,8 @@ impl std::fmt::Debug for Refresher {
 pub struct Refreshed {
     /// Kind of each equation; length m. The independent equations are always the same.
     pub kinds: Vec<Kind>,
-    /// For each of [`Analysis::dependent`]: `b_k - sum c_i b_i` in the units of the equation, where b is the right-hand side minus the
-    /// terms of prescribed DOFs.
+    /// For each dependent equation ([`Analysis::dependent`]): `b_k - sum c_i b_i` in the units of the equation, where b is the right-hand
+    /// side minus the terms of prescribed DOFs.
     pub mismatches: Vec<f64>,
     /// Free DOFs that the equations fix, and their values; ascending.
     pub generated: Vec<(usize, f64)>,

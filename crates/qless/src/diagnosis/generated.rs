@@ -66,7 +66,8 @@ pub(crate) fn evaluate(dofs: Vec<u32>, system: LocalSystem, u: &[f64]) -> Genera
     Generated { values: dofs.iter().map(named).collect(), dofs }
 }
 
-/// What remains of a vector after equations are subtracted. A key has the DOF, after the row of the basis that defines it ([`times`]).
+/// What remains of a vector after equations are subtracted, by DOF. The DOFs are sorted by the rows of the basis that define them
+/// ([`times`]).
 struct GeneratedRemainder {
     parts: BTreeMap<(u32, u32), f64>,
 }

@@ -165,7 +165,7 @@ impl<'a> Members<'a> {
         PASSES * self.terms.len() * self.terms.len() * self.sizes.len() + 1
     }
 
-    /// The remainder of each free DOF, and the size of its sum.
+    /// For each free DOF, what remains of the vector after the members are subtracted, and the sum of the magnitudes of the terms.
     fn sums(&self) -> impl Iterator<Item = (u32, (f64, f64))> + use<> {
         self.analysis.parts(self.vector.iter().copied(), &self.terms).into_iter()
     }
@@ -199,7 +199,8 @@ impl<'a> Members<'a> {
         }
     }
 
-    /// Among the equations that may not be needed, the one that leaves the smallest remainder. None if all leave more than the tolerance.
+    /// Among the equations that may not be needed, the one whose absence leaves the smallest remainder. None if the absence of each one
+    /// leaves more than the tolerance.
     fn weakest(&self, needed: &HashSet<usize>) -> Option<usize> {
         let mut squares = vec![0.0; self.terms.len()];
         for k in 0..squares.len() {

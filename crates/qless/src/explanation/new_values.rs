@@ -122,7 +122,8 @@ fn corrections(sums: &[&MismatchSum], way: &[(Number, f64)]) -> Vec<f64> {
     solution
 }
 
-/// Replaces value k by zero or, failing that, rounds it to 12 digits, if all mismatches then are at most `least` times their largest terms.
+/// Replaces value k by zero or, if that does not fit, rounds it to 12 digits. A value fits if it leaves all mismatches within `least` times
+/// their largest terms; otherwise it stays.
 fn shorten(sums: &[&MismatchSum], way: &mut [(Number, f64)], k: usize, least: f64) {
     let exact = way[k].1;
     let rounded = format!("{exact:.11e}").parse().unwrap_or(exact);

@@ -19,7 +19,7 @@ pub enum Reading {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Number {
     pub(crate) negative: bool,
-    /// A whole number below 10^17, hence below every prime of 61 bits: modulo such a prime, no digits but 0 become 0.
+    /// The digits as a whole number below 10^17, hence below every prime of 61 bits. Modulo such a prime, only the number 0 becomes 0.
     pub(crate) digits: u64,
     /// True for base ten, false for base two.
     pub(crate) decimal: bool,

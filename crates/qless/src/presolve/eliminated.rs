@@ -37,9 +37,9 @@ pub(crate) struct EmptiedRow {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Mismatch {
     pub value: f64,
-    /// The largest term of the sum that gave the value.
+    /// The largest term of the sum that gave the mismatch.
     pub size: f64,
-    /// Bound of the rounding error of the value.
+    /// Bound of the rounding error of the mismatch.
     pub error: f64,
 }
 

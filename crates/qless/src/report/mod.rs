@@ -213,7 +213,7 @@ impl Report {
         self
     }
 
-    /// Sets the requested form of the reduction; the default is its actual form.
+    /// Sets the requested form of T in the report; without this call, the report names the actual form.
     #[must_use]
     pub fn with_form(mut self, form: Form) -> Self {
         self.reduction.iter_mut().for_each(|reduction| reduction.form = form);

@@ -18,7 +18,8 @@ pub(super) struct Peeled {
     pub(super) unknown: Vec<bool>,
 }
 
-/// Removes singletons until there are none, columns first.
+/// Removes equations with a DOF in no other equation (column singletons), or else equations with one unknown DOF (row singletons), until
+/// there are none.
 pub(super) fn peel(matrix: &Csr, free: &[bool]) -> Peeled {
     let mut work = PeelWork::new(matrix, free);
     loop {

@@ -107,7 +107,7 @@ impl ScaledCore {
         false
     }
 
-    /// Sorts the rows in the column order of a QR factorization of `A^T`.
+    /// Sorts the rows A of the core in the column order of a QR factorization of `A^T`.
     fn reorder(&mut self) {
         if self.rows.len() < FEW {
             return;

@@ -54,7 +54,7 @@ pub struct CondensedPattern {
     dofs: Vec<usize>,
     /// For each DOF, the number of its unknown; [`NONE`] for eliminated DOFs.
     number: Vec<u32>,
-    /// Row of `l` of each DOF; [`NONE`] for DOFs that are not eliminated slaves.
+    /// For each DOF, its row in the matrix `l`; [`NONE`] for DOFs that are not eliminated slaves.
     slave: Vec<u32>,
     lines: Lines,
     plan: CondensePlan,
@@ -237,7 +237,7 @@ impl CondensedPattern {
         Ok((sums.into_iter().collect(), rhs))
     }
 
-    /// Returns true if lines are columns, as in K.
+    /// Returns true if K_q is compressed by columns, as K is.
     pub fn is_by_columns(&self) -> bool {
         self.by_columns
     }

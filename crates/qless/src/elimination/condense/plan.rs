@@ -13,11 +13,11 @@ pub(super) struct CondensePlan {
     pub entries: usize,
     /// For each unknown, the source of its line (row or column) of K_q.
     pub source: Vec<LineSource>,
-    /// The entries of K in the lines that are not copied.
+    /// The entries of K in the lines (rows or columns) that are not copied.
     pub mixed: Entries,
-    /// The entries of K in the lines of the slaves.
+    /// The entries of K in the lines (rows or columns) of the slaves.
     pub of_slaves: Entries,
-    /// Each eliminated prescribed DOF with the entries of its line, if `K u_0` is summed by columns.
+    /// Each eliminated prescribed DOF with the entries of its line (row or column) of K, if `K u_0` is summed by columns.
     pub of_prescribed: Vec<(u32, Entries)>,
     /// True if K is stored by columns with all entries, so that it need not be symmetric.
     pub by_columns: bool,
@@ -126,14 +126,14 @@ impl CondensedPattern {
         self.row_of_l(j as usize).map(|(r, _)| r).filter(|&r| stored(r)).for_each(|r| union.add(r));
     }
 
-    /// Returns true if line q of K_q contains index r.
+    /// Returns true if entry r of line q (a row or a column) is in the half of K_q that is stored.
     #[inline]
     pub(super) fn is_stored(&self, q: usize, r: u32) -> bool {
         self.half.holds(q, r as usize)
     }
 
-    /// The entries in the half that a symmetric K does not store, if their row or column is not an unknown. For each line: the index of the
-    /// stored mirror image of an entry, and the index of the entry in the line.
+    /// The entries of a symmetric K in the half that is not stored, if their row or column is not an unknown. For each line (row or
+    /// column): the index of the stored mirror image of an entry, and the index of the entry in the line.
     fn mirrored<P: Index, I: Index>(&self, k: &View<P, I>) -> Entries {
         let n = self.number.len();
         let mut found = Vec::new();

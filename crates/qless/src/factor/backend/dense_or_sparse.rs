@@ -26,7 +26,7 @@ use crate::Csr;
 pub struct DenseOrSparse {
     /// Bytes that a factorization may allocate.
     pub memory: usize,
-    /// Largest m n of a block that is always dense.
+    /// Largest size m n (rows times columns) of a block that is always dense.
     pub small: usize,
 }
 
@@ -104,8 +104,8 @@ mod tests {
         assert_eq!(Ok(factor), Faer.factor(&columns, &[], 1e-10));
     }
 
-    /// For all pairs (k, l) of an assignment of `size`: `sum_j y_ijkl = x_kl` for i other than k, `sum_i y_ijkl = x_kl` for j
-    /// other than l, with `y_ijkl = y_klij` (Adams and Johnson's linearization); n columns.
+    /// The equations of an assignment problem of `size`, for all pairs (k, l): `sum_j y_ijkl = x_kl` for i other than k,
+    /// `sum_i y_ijkl = x_kl` for j other than l, with `y_ijkl = y_klij` (Adams and Johnson's linearization).
     fn assignment(size: usize) -> Csr {
         let place = |i: usize, j: usize| i * size + j;
         let pair = |a: usize, b: usize| size * size + a.max(b) * (a.max(b) + 1) / 2 + a.min(b);

@@ -19,7 +19,8 @@ pub mod sparse;
 #[cfg(feature = "spqr")]
 pub mod spqr;
 
-/// Blocks with m n up to this are factored densely if there is a choice: column pivoting finds the rank more reliably and is fast there.
+/// Blocks of at most this size m n (rows times columns) are factored densely if there is a choice: column pivoting finds the rank more
+/// reliably and is fast there.
 pub(crate) const SMALL: usize = 1 << 14;
 
 /// Refuses an m x n block that needs more bytes than the limit.

@@ -25,7 +25,7 @@ pub enum SystemError {
     /// A row number is not below the number of rows.
     #[error("entry {entry} is in row {row}, but there are {rows} rows; correct the index or the size")]
     RowOutOfRange {
-        /// Position of the entry in the list given.
+        /// The place of the entry with this row number in the list of entries.
         entry: usize,
         /// The row number that was given.
         row: usize,

@@ -110,7 +110,7 @@ impl Vectors {
 /// Distance of the kept rows from dependence, each row scaled to a largest coefficient of 1.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Nearness {
-    /// Estimate of the smallest singular value.
+    /// Estimate of the smallest singular value of the kept rows.
     pub sigma: f64,
     /// Estimate of the smallest change of one coefficient that makes the kept rows dependent; at least their smallest singular value. For a
     /// chain it does not decrease with the length of the chain.

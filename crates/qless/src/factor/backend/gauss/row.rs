@@ -154,7 +154,8 @@ impl WaitingRows {
         Ok(())
     }
 
-    /// Counts one row less in the column: the row lost its entry or no longer waits. [`WaitingRows::read`] removes it from the list.
+    /// Counts one row less in the column: the row lost its entry or no longer waits. [`WaitingRows::read`] removes such rows from the list
+    /// later.
     pub fn forget(&mut self, col: u32) {
         self.count[col as usize] -= 1;
     }

@@ -24,7 +24,7 @@ use crate::input::scale::ldexp;
 use crate::presolve::basis::{BlockCertificate, BlockDependent as Dependent, LateTerms};
 use crate::presolve::eliminated::Mismatch;
 
-/// Right-hand sides that are solved together.
+/// Number of right-hand sides that are solved together.
 const LANES: usize = 8;
 /// Seed of the random signs.
 const SEED: u64 = 0x6a09_e667;
