@@ -84,7 +84,7 @@ impl BackendChoice {
 
 /// The certainty of a verdict, which determines its cost.
 ///
-/// | effort | computes | promises |
+/// | effort | computes | guarantees |
 /// | --- | --- | --- |
 /// | `Quick` | rank by tolerance; no distance, no second reading of numbers | T, G and g satisfy the kept equations; rank may be wrong |
 /// | `Checked` | rank, distance and error, by estimates | wrong only if an estimate over random signs fails; doubt is reported |

@@ -86,7 +86,7 @@ pub(super) fn read(
     let mut rhs = system.rhs().to_vec();
     if !kept.overruled.is_empty() {
         // Preferred equations have replaced equations that contradict them, but the basis was computed from the replaced ones. So the
-        // stages run again with right-hand sides of the replaced equations that agree.
+        // stages run again, with right-hand sides of the replaced equations that agree with the preferred ones.
         kept.overruled.iter().for_each(|&(i, excess)| rhs[i] -= excess);
         let agreeing = Pipeline { local: numbering.view(&system, &rhs), ..pipeline };
         let agreed = agreeing.run_stages(&held_back)?;
@@ -236,8 +236,8 @@ impl Pipeline<'_> {
         Ok((first, gone))
     }
 
-    /// Runs the stages and probes the kept rows. If a result of this probe is near its limit, a second probe replaces it. Its random
-    /// numbers depend on the component alone, and it samples the inverse instead of bounding it.
+    /// Runs the stages and probes the kept rows. If a result of this probe is near or above its limit, a second probe replaces it. Its
+    /// random numbers depend on the component alone, and it samples the inverse instead of bounding it.
     fn run_and_probe(&self, held_back: &[bool]) -> Result<PassResult, AnalysisError> {
         let mut pass = self.run_stages(held_back)?;
         let probe_with = |pass: &PassResult, inverse| {

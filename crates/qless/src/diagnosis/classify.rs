@@ -55,7 +55,7 @@ pub(crate) struct MismatchRule<'a> {
     /// True if small mismatches may be rounding: those below the rounding of the largest right-hand side are suspect, and so are numbers
     /// that were typed with few digits.
     is_auto: bool,
-    /// For each equation, the largest mismatch that may be rounding ([`rounding_of_sides`]); computed when it is needed.
+    /// For each equation, log2 of the largest mismatch that may be rounding ([`rounding_of_sides`]); computed when it is needed.
     rounding: OnceLock<Vec<f64>>,
     /// The values of prescribed DOFs, collected when they are needed.
     prescribed: OnceLock<HashMap<usize, f64>>,

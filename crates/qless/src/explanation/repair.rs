@@ -37,8 +37,8 @@ const HANDFUL: usize = 8;
 const MOST_WAYS: usize = 16;
 /// As long as no way holds, at least this many ways are tried, even if the budget of the verification is used up.
 const TRIED: usize = 4;
-/// Largest number of rounds of changes. A round uncovers wrong numbers that are below the tolerance, 1e-10, of those changed before.
-/// Doubles have 16 digits, so few rounds are enough.
+/// Largest number of rounds of changes. A round uncovers wrong numbers that are smaller than those of the round before by a factor of the
+/// tolerance, 1e-10. Doubles have 16 digits, so few rounds are enough.
 const ROUNDS: usize = 4;
 /// A coefficient below this fraction of the largest one of a certificate or a random sum counts as zero. Either its terms cancel, or only a
 /// change that is larger than all other numbers would cure the conflict.

@@ -29,7 +29,7 @@ pub(super) fn rank(system: &ConstraintSystem, settings: Settings) -> Result<Exac
 /// For each part, its rank modulo one prime, and the increase of this rank by the column `b - C_p u_p`: 0 or 1.
 type ExactCounts = Vec<(usize, usize)>;
 
-/// Combines the ranks modulo two primes. A rank modulo a prime is never above the exact rank, so the larger of both counts.
+/// Combines the ranks modulo two primes. A rank modulo a prime is never above the exact rank, so the larger one is used.
 fn united(part_of: &[u32], counts: &[ExactCounts; 2]) -> Vec<PartRank> {
     let both = counts[0].iter().zip(&counts[1]);
     let mut parts: Vec<PartRank> = both

@@ -52,7 +52,7 @@ impl GaussElimination {
         }
         let rows = rows(columns, &mut ledger)?;
         let mut queue = Queue::new(m, n, &mut ledger)?;
-        // The queue puts the row that was added last first. So rows are added in reverse: the first one of equal length comes first.
+        // Among rows of the same length, the queue returns the row that was added last. So rows are added in reverse order.
         (0..m).rev().for_each(|i| queue.set(i as u32, rows[i].len()));
         Ok(Self {
             rows,
