@@ -16,9 +16,9 @@ use crate::input::reading::Reading;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Tolerance {
-    /// Relative, as described above; the default is 1e-10. Any other value settles the doubts [`Doubt::Near`](crate::Doubt::Near),
-    /// [`Doubt::NoGap`](crate::Doubt::NoGap) and [`Doubt::Mismatch`](crate::Doubt::Mismatch): differences up to it are rounding, and larger
-    /// ones are meant.
+    /// The fraction of the terms that may remain; the default is 1e-10. Any other value settles the doubts
+    /// [`Doubt::Near`](crate::Doubt::Near), [`Doubt::NoGap`](crate::Doubt::NoGap) and [`Doubt::Mismatch`](crate::Doubt::Mismatch):
+    /// differences up to this value are rounding, and larger ones are meant.
     Relative(f64),
     /// The paper's rule (section 3.2): no scaling, absolute 1e-5. The result depends on the units.
     Paper,
@@ -84,7 +84,7 @@ impl BackendChoice {
 
 /// The certainty of a verdict, which determines its cost.
 ///
-/// | effort | computes | promises |
+/// | effort | computes | guarantees |
 /// | --- | --- | --- |
 /// | `Quick` | rank by tolerance; no distance, no second reading of numbers | T, G and g satisfy the kept equations; rank may be wrong |
 /// | `Checked` | rank, distance and error, by estimates | wrong only if an estimate over random signs fails; doubt is reported |
@@ -118,7 +118,7 @@ pub enum Effort {
 }
 
 impl Effort {
-    /// The promise of this effort, in one sentence.
+    /// What this effort guarantees, in one sentence.
     pub fn promise(self) -> &'static str {
         match self {
             Self::Quick => "not checked: the rank may be wrong",

@@ -35,7 +35,7 @@ pub enum ChangeError {
     /// A DOF that is not below the number of DOFs of the set.
     #[error("DOF {dof} is out of range: there are {dofs}; correct the DOF or create the set with more DOFs")]
     DofOutOfRange {
-        /// The DOF.
+        /// The DOF that is out of range.
         dof: usize,
         /// How many DOFs there are.
         dofs: usize,

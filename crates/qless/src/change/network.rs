@@ -212,7 +212,8 @@ impl Network {
         self.stale.clear();
     }
 
-    /// The changed equations, the equations of all blocks that they are or were in, and the equations connected with them now.
+    /// What an update has to analyse again: the changed equations, all equations of the blocks that contain or contained them, and all
+    /// equations that are connected with these now.
     pub fn region<'a>(&self, members: &dyn Fn(u32) -> Option<&'a [EquationId]>) -> Region {
         let mut blocks = self.stale.clone();
         let mut equations = self.touched.clone();

@@ -1,4 +1,5 @@
-//! Computes g for new b and u_p and the same C, without a new factorization: `g = u_s - T u_q` for any u with `C u = b` and `u_p = 0`.
+//! Computes g and the kinds of equations for new b and u_p and the same C, without a new factorization. Any u with `C u = b` and `u_p = 0`
+//! gives `g = u_s - T u_q`.
 //!
 //! ```text
 //! analyse, reduction  ->  T, G     once
@@ -33,7 +34,7 @@ pub struct Refresher {
     /// The coefficient of the slave in each peeled equation.
     pivots: Vec<f64>,
     solvers: Vec<BlockSolver>,
-    /// For each row that went through elimination, the exponent by which its block scales it; 0 outside blocks.
+    /// For each row that went through elimination, the exponent of the power of two by which its block scales the row; 0 outside blocks.
     exponents: Vec<i32>,
 }
 
@@ -49,8 +50,8 @@ impl std::fmt::Debug for Refresher {
 pub struct Refreshed {
     /// Kind of each equation; length m. The independent equations are always the same.
     pub kinds: Vec<Kind>,
-    /// For each of [`Analysis::dependent`]: `b_k - sum c_i b_i` in the units of the equation, where b is the right-hand side minus the
-    /// terms of prescribed DOFs.
+    /// For each dependent equation ([`Analysis::dependent`]): `b_k - sum c_i b_i` in the units of the equation, where b is the right-hand
+    /// side minus the terms of prescribed DOFs.
     pub mismatches: Vec<f64>,
     /// Free DOFs that the equations fix, and their values; ascending.
     pub generated: Vec<(usize, f64)>,
@@ -136,7 +137,7 @@ impl Refresher {
         let local = self.analysis.numbering.view(self.system(), rhs);
         let rule = MismatchRule::new(local, &self.analysis.scaling, &self.analysis.options);
         let found: Vec<Dependent> = dependent.iter().map(|d| self.classify(d, &replay, &rule)).collect();
-        // As in the analysis, an equation that was dropped in favour of preferred equations must not change g if it conflicts with them.
+        // These equations were dropped in favour of others. As in the analysis, they must not change g if they conflict.
         let given = dependent.iter().map(|d| matches!(d.source, Source::Given(_)));
         let overruled = found.iter().zip(given).filter(|(d, given)| *given && d.kind == Kind::Conflicting);
         let excess: Vec<_> = overruled.map(|(d, _)| (d.row, d.mismatch)).collect();
@@ -176,8 +177,9 @@ impl Refresher {
         Dependent::new(d.row, rest, d.dropped, Source::Given(Vec::new()), rule)
     }
 
-    /// `b_k - sum_i y_i b_i` and a bound of its error, for row k with its certificate y over rows of a block. The error of each `y_i` is at
-    /// most `units` times the number of terms, in units in the last place of the largest `y_i`, all in the units of the block.
+    /// The mismatch `b_k - sum_i y_i b_i` of row k, and a bound of its error; y is the certificate of row k over rows of a block. Each
+    /// `y_i` is wrong by at most `units` times the number of terms, in units in the last place of the largest `y_i`. This holds in the
+    /// units of the block.
     fn traced(&self, k: u32, because: &[(u32, f64)], units: f64, replay: &Replay) -> Mismatch {
         let shift = |i: u32| self.exponents[k as usize] - self.exponents[i as usize];
         let largest = because.iter().fold(0.0, |most: f64, &(i, y)| most.max(ldexp(y.abs(), shift(i))));

@@ -25,7 +25,7 @@ impl RowRhs {
     fn subtract(&mut self, factor: f64, other: Self) {
         self.rhs -= factor * other.rhs;
         self.effective.subtract(factor, other.effective);
-        // Adds the error of the product that is due to the rounding of `factor`.
+        // `factor` is rounded; adds the error of the product that this causes.
         self.effective.error += f64::EPSILON * (factor * other.effective.value).abs();
     }
 }

@@ -101,7 +101,7 @@ impl SolvedBlock {
 
     /// Sets the slaves of the block in u: `u_s = T u_q + G u_p + g`.
     pub(super) fn expand(&self, u: &mut [f64]) -> Result<(), ChangeError> {
-        // The single DOF of an equation without terms is not a DOF of the whole system.
+        // An equation without terms was given one DOF, which is not a DOF of the whole system.
         if self.slaves.is_empty() && self.masters.is_empty() {
             return Ok(());
         }

@@ -19,7 +19,7 @@ pub enum ArgumentError {
     OutOfRange {
         /// What the index counts, such as `DOF`.
         what: &'static str,
-        /// The index.
+        /// The index that is out of range.
         found: usize,
         /// The index must be below this number.
         count: usize,
@@ -31,7 +31,7 @@ pub enum ArgumentError {
         what: &'static str,
         /// The place of the number in the list, from 0.
         place: usize,
-        /// The number.
+        /// The number that is not finite.
         value: f64,
     },
     /// A result that was evaluated before the constraint set changed.
@@ -45,7 +45,7 @@ pub enum ArgumentError {
     Negative {
         /// The name of the number.
         what: &'static str,
-        /// The number.
+        /// The number that is below zero.
         value: f64,
     },
     /// A result that exceeds the range of doubles.
@@ -63,7 +63,7 @@ pub enum ArgumentError {
         what: &'static str,
         /// The place of the first number out of order, from 0.
         place: usize,
-        /// The number at this place.
+        /// The first number that is out of order.
         value: usize,
     },
     /// A DOF of an element without its place in the pattern of K_q.

@@ -29,7 +29,7 @@ impl Default for Identity {
 }
 
 impl std::fmt::Debug for Identity {
-    /// Omits the number, which depends on earlier calls.
+    /// Does not print the number, which depends on earlier calls.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str("Identity")
     }

@@ -85,8 +85,8 @@ pub(super) fn read(
     let kept = keep_preferred(&options.preferences.equations, &mut pass.dependent, &pass.history, &rule);
     let mut rhs = system.rhs().to_vec();
     if !kept.overruled.is_empty() {
-        // The constants of the basis come from equations that preferred ones replaced. So the stages run again with a b that agrees with
-        // the preferred ones.
+        // Preferred equations have replaced equations that contradict them, but the basis was computed from the replaced ones. So the
+        // stages run again, with right-hand sides of the replaced equations that agree with the preferred ones.
         kept.overruled.iter().for_each(|&(i, excess)| rhs[i] -= excess);
         let agreeing = Pipeline { local: numbering.view(&system, &rhs), ..pipeline };
         let agreed = agreeing.run_stages(&held_back)?;
@@ -195,9 +195,9 @@ impl Pipeline<'_> {
         Ok(self.with_confidence(pass, decided, (dropped, false), None))
     }
 
-    /// Runs without the equations in `gone`. All of these equations in a component are taken back if one of them is then not redundant, if
-    /// the number of dependent equations of the component changes, or if that of conflicting ones falls. A new conflict is accepted if it
-    /// is clear, because a large right-hand side may have hidden it. Returns the result and the equations left out.
+    /// Runs without the equations in `gone`. Those of a component are taken back if one of them is then not redundant, if the number of
+    /// dependent equations of the component changes, if its number of conflicting equations falls, or if a new conflict is not clear. A
+    /// clear new conflict is accepted, because a large right-hand side may have hidden it. Returns the result and the equations left out.
     fn without(
         &self,
         mut gone: BTreeSet<usize>,
@@ -218,7 +218,7 @@ impl Pipeline<'_> {
                 .iter_mut()
                 .zip(before.iter().zip(&after))
                 .for_each(|(is_worse, (a, b))| *is_worse |= a.0 != b.0 || b.1 < a.1);
-            // A conflict that appears must be clear.
+            // A new conflict must be clear; otherwise the equations of its component are taken back.
             let conflicting = |of: &PassResult| -> Vec<(usize, f64)> {
                 let conflicts = of.dependent.iter().filter(|d| d.kind == Kind::Conflicting);
                 conflicts.map(|d| (d.row, d.relative_mismatch)).collect()
@@ -236,8 +236,8 @@ impl Pipeline<'_> {
         Ok((first, gone))
     }
 
-    /// Runs the stages and probes the kept rows. If that probe is not harmless, a second one uses random numbers that depend on the
-    /// component alone, and a sample of the inverse instead of a bound.
+    /// Runs the stages and probes the kept rows. If a result of this probe is near or above its limit, a second probe replaces it. Its
+    /// random numbers depend on the component alone, and it samples the inverse instead of bounding it.
     fn run_and_probe(&self, held_back: &[bool]) -> Result<PassResult, AnalysisError> {
         let mut pass = self.run_stages(held_back)?;
         let probe_with = |pass: &PassResult, inverse| {
@@ -309,7 +309,7 @@ impl Pipeline<'_> {
         let terms = d.source.explain(history);
         let members = terms.iter().map(|term| term.row).chain([d.row]);
         let precision = typed_precision(members.map(|row| self.local.row(row).map(|(_, value)| value)));
-        // Only right-hand sides of the certificate count: the elimination may have added larger ones and subtracted them again.
+        // Only right-hand sides of the certificate count. The elimination may have added larger ones and subtracted them again.
         let sides = terms.iter().map(|term| (term.coefficient * side(self.rule, term.row).size).abs());
         let size = sides.fold(side(self.rule, d.row).size, f64::max);
         d.mismatch.abs() < precision * size

@@ -126,8 +126,8 @@ impl Analysis {
         terms.iter().copied().filter(|term| scaled(term) > part * largest).collect()
     }
 
-    /// What remains of a vector after its certificate is subtracted, and the sum of the sizes of all terms, by free local DOF in ascending
-    /// order.
+    /// For each free local DOF, ascending: what remains of a vector after its certificate is subtracted, and the sum of the magnitudes of
+    /// all terms.
     pub(crate) fn parts(
         &self,
         vector: impl IntoIterator<Item = (u32, f64)>,
@@ -139,7 +139,8 @@ impl Analysis {
     }
 
     /// As [`Self::parts`], for all local DOFs, prescribed ones too. The remainder is summed in twice the precision, so that a refinement
-    /// uses its true value. Time and memory depend on the terms only, not on the system: thousands of certificates are checked, one by one.
+    /// uses its true value. Thousands of certificates are checked one by one, so time and memory depend on the terms only, not on the size
+    /// of the system.
     pub(crate) fn sums(
         &self,
         vector: impl IntoIterator<Item = (u32, f64)>,
@@ -177,12 +178,12 @@ impl Analysis {
         (terms, error)
     }
 
-    /// The error of a combination that should equal a vector: the largest over the free DOFs.
+    /// The error of a combination that should equal a vector: the largest relative remainder at a free DOF.
     pub(crate) fn error_of(&self, vector: impl IntoIterator<Item = (u32, f64)>, terms: &[CertificateTerm]) -> f64 {
         self.error_in(&self.sums(vector, terms))
     }
 
-    /// The largest error of these sums: the remainder relative to the size of the sum, at a free DOF.
+    /// The largest relative remainder at a free DOF. For each DOF, `sums` has the remainder and the sum of the magnitudes of its terms.
     pub(crate) fn error_in(&self, sums: &[(u32, (f64, f64))]) -> f64 {
         let error = |(left, size): (f64, f64)| if left == 0.0 { 0.0 } else { left.abs() / size };
         let free = sums.iter().filter(|sum| self.numbering.free[sum.0 as usize]);

@@ -25,9 +25,9 @@ const NOISE: f64 = 1e-11;
 pub(crate) struct History {
     /// For each row that went through elimination, the user's row.
     pub rows: Vec<u32>,
-    /// For each row that went through elimination, the steps subtracted from it and their factors.
+    /// For each row that went through elimination, the steps whose pivot rows were subtracted from it, with their factors.
     pub factors: Vec<Vec<(u32, f64)>>,
-    /// For each step, the index of its row.
+    /// For each step, the index of its pivot row.
     pub steps: Vec<u32>,
     /// Exponents of the row scaling, by row of the user.
     pub exponents: Vec<i32>,
@@ -64,8 +64,8 @@ impl History {
         self.expand(rows, steps, self.exponents[self.rows[k as usize] as usize])
     }
 
-    /// The combination of the user's equations that equals a sum of steps and of rows of a block with the given factors; `exponent` is
-    /// the row scaling of the result.
+    /// Expresses a sum of pivot rows (`steps`) and of rows of a block, each with its factor, by the user's equations. `exponent` is the row
+    /// scaling of the result.
     pub fn combination(&self, steps: &[(u32, f64)], block: &[(u32, f64)], exponent: i32) -> Vec<CertificateTerm> {
         let mut rows: BTreeMap<u32, CertificateSum> = BTreeMap::new();
         let mut sums: BTreeMap<u32, CertificateSum> = BTreeMap::new();
@@ -77,14 +77,16 @@ impl History {
         self.expand(rows, sums, exponent)
     }
 
-    /// Adds `weight` times the steps that were subtracted from row i to `steps`.
+    /// Undoes the elimination of row i: for each pivot row that was subtracted from it, adds `weight` times the factor to the sum of its
+    /// step.
     fn undo(&self, i: u32, weight: f64, steps: &mut BTreeMap<u32, CertificateSum>) {
         for &(step, factor) in &self.factors[i as usize] {
             steps.entry(step).or_default().add(weight * factor);
         }
     }
 
-    /// Replaces steps by their rows, the last step first, and returns the sum of all rows in the user's equations.
+    /// Replaces each pivot row by the row before elimination and earlier pivot rows, from the last step to the first. Returns the sum of
+    /// all rows in the user's equations.
     fn expand(
         &self,
         mut rows: BTreeMap<u32, CertificateSum>,

@@ -55,7 +55,7 @@ pub(crate) struct MismatchRule<'a> {
     /// True if small mismatches may be rounding: those below the rounding of the largest right-hand side are suspect, and so are numbers
     /// that were typed with few digits.
     is_auto: bool,
-    /// The result of [`rounding_of_sides`], computed when it is needed.
+    /// For each equation, log2 of the largest mismatch that may be rounding ([`rounding_of_sides`]); computed when it is needed.
     rounding: OnceLock<Vec<f64>>,
     /// The values of prescribed DOFs, collected when they are needed.
     prescribed: OnceLock<HashMap<usize, f64>>,
@@ -93,8 +93,9 @@ impl<'a> MismatchRule<'a> {
 /// The origin of the certificate of a dependent equation.
 #[derive(Clone, Debug)]
 pub(crate) enum Source {
-    /// A certificate over rows of a block: the index of the row among those that went through elimination, the terms, and an error bound.
-    /// Each coefficient is wrong by at most this many units in the last place of the largest one, times the number of terms.
+    /// A certificate over rows of a block: the index of the row among those that went through elimination, the terms, and a number that
+    /// bounds their errors. The error of each coefficient is at most this number times the number of terms, in units in the last place of
+    /// the largest coefficient.
     Traced(u32, BlockCertificate, f64),
     /// The certificate itself.
     Given(Vec<CertificateTerm>),

@@ -4,17 +4,18 @@ use crate::diagnosis::classify::Dependent;
 use crate::input::noise::is_typed;
 use crate::{ConstraintSystem, Tolerance};
 
-/// If changes smaller than this make the kept equations dependent, they are in doubt: computed coefficients may be wrong in their 8th
-/// digit.
+/// The kept equations are in doubt if relative changes of coefficients smaller than this make them dependent: computed coefficients may be
+/// wrong in their 8th digit.
 const NEAR: f64 = 1e-7;
 /// A mismatch of the right-hand sides up to this, relative to its terms, is zero: rounding of the terms can cause it.
 const NO_MISMATCH: f64 = 1e-12;
 /// A nonzero mismatch below this may stand for zero.
 const SMALL_MISMATCH: f64 = 1e-6;
-/// A term of a certificate below this fraction of the largest one may be rounding: certificates are accurate to `1e-11 / d`.
+/// A term of a certificate below this fraction of the largest one may be rounding. Certificates are accurate to `1e-11 / d`, where d is the
+/// distance of the kept equations from dependence.
 pub(super) const ACCURACY: f64 = 1e-11;
-/// A relative mismatch above this is larger than the error of any certificate with `d >= NEAR`. If `d < NEAR`, the kept equations are in
-/// doubt anyway.
+/// A relative mismatch above this is larger than the error of any certificate with `d >= NEAR`, where d is the distance of the kept
+/// equations from dependence. If `d < NEAR`, the kept equations are in doubt anyway.
 pub(super) const CLEAR_MISMATCH: f64 = ACCURACY / NEAR;
 
 /// Why a verdict is in doubt.
@@ -75,9 +76,8 @@ impl serde::Serialize for Confidence {
 }
 
 impl Confidence {
-    /// Makes a confidence from both measures; `other` is a doubt from another check, used if these measures raise none. With a tolerance
-    /// other than the default, dropped equations raise no doubt; kept ones raise one only if their distance is below the tolerance or is
-    /// rounding.
+    /// Makes a confidence from the distance d and the error e; `other` is a doubt from another check, used if d and e raise none. With a
+    /// tolerance other than the default, e raises no doubt, and d raises one only if it is below the tolerance or is rounding.
     ///
     /// ```
     /// use qless::{Confidence, Tolerance};

@@ -51,8 +51,8 @@ pub(crate) fn to_give_up(pass: &PassResult, rule: &MismatchRule, wanted: &[usize
     gone
 }
 
-/// Adds the equations that were given up to the dependent ones of a pass that ran without them, as combinations of the equations that it
-/// kept. Returns those that are not redundant.
+/// Completes a pass that ran without the equations in `gone`: lists them among the dependent equations, as combinations of the equations
+/// that the pass kept. Returns those that are not redundant.
 ///
 /// # Errors
 /// [`AnalysisError::Backend`] if a block cannot be factored again.

@@ -21,7 +21,7 @@ struct Peeling<'a> {
     rows: &'a [u32],
     stays: Vec<bool>,
     length: Vec<u32>,
-    /// For each DOF, the places of its equations. The next two fields are the number of those that remain, and whether the DOF remains.
+    /// For each DOF, the places of its equations. The next two fields say how many of these equations remain, and whether the DOF remains.
     holders: Vec<Vec<u32>>,
     count: Vec<u32>,
     is_left: Vec<bool>,

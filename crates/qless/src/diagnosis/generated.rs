@@ -28,7 +28,7 @@ pub(crate) struct Generated {
     pub dofs: Vec<u32>,
 }
 
-/// The DOFs of `fixed` that also stay at rest in a second probe, with other random values of the masters; ascending by the user's numbers.
+/// The DOFs of `fixed` that are also zero in a second random vector of the null space, ascending by the user's numbers.
 pub(crate) fn find(
     mut fixed: Vec<u32>,
     system: LocalSystem,
@@ -49,8 +49,8 @@ pub(crate) fn find(
     fixed
 }
 
-/// A solution of the kept equations, with the digits that an elimination row by row loses: `1e-20 u_1 + u_2 = 0.1` leaves no digit of u_1
-/// if u_2 is rounded to a double.
+/// A solution of the kept equations, in sums of two doubles. Elimination row by row in doubles can lose all digits of a DOF:
+/// `1e-20 u_1 + u_2 = 0.1` leaves no digit of u_1 if u_2 is rounded to a double.
 pub(crate) fn particular(kept: &KeptRows) -> Vec<f64> {
     let system = kept.system;
     let mut start = vec![[0.0]; system.dofs()];
@@ -66,7 +66,8 @@ pub(crate) fn evaluate(dofs: Vec<u32>, system: LocalSystem, u: &[f64]) -> Genera
     Generated { values: dofs.iter().map(named).collect(), dofs }
 }
 
-/// What remains of a vector after equations are subtracted; the keys are (result of [`times`], DOF).
+/// What remains of a vector after equations are subtracted, by DOF. The DOFs are sorted by the rows of the basis that define them
+/// ([`times`]).
 struct GeneratedRemainder {
     parts: BTreeMap<(u32, u32), f64>,
 }

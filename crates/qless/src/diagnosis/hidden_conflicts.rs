@@ -7,9 +7,9 @@
 //! ```
 //!
 //! The elimination measures a mismatch against the largest right-hand side that it met, also if that side cancelled and is not in the
-//! certificate: `1e14` of one equation hides a mismatch of 0.5 among others of size 1. One solution shows the mismatches of all equations,
-//! and three their sizes. The sizes come first, in doubles: most equations are clear then. A certificate is computed only for an equation
-//! whose mismatch is within its error.
+//! certificate: `1e14` of one equation hides a mismatch of 0.5 among others of size 1. One solution u shows the mismatches of all
+//! equations, and three solutions v show their sizes. The sizes are computed first, in doubles, because they settle the verdict on most
+//! equations. A certificate is computed only for an equation whose mismatch is within its error.
 
 use super::certificate::{CertificateTerm, History};
 use super::classify::{Dependent, Kind, MismatchRule};
@@ -26,11 +26,12 @@ use crate::input::scale::ldexp;
 use crate::presolve::eliminated::Mismatch;
 use crate::presolve::rows::MORE_THAN_ROUNDING;
 
-/// Number of solutions v. The chance that all three random sums are a million times too small is about 1e-18.
+/// Number of solutions v of `C v = w b` with random weights w. The chance that all three random sums are a million times too small is about
+/// 1e-18.
 const V: usize = 3;
-/// Number of solutions: u and all v.
+/// Number of solutions: u of `C u = b`, and all v of `C v = w b`.
 const W: usize = V + 1;
-/// Seeds of the random weights w, one for each solution v.
+/// Seeds of the random weights w, one for each solution v of `C v = w b`.
 const SEEDS: [u64; V] = [0x9e37_79b9, 0x85eb_ca6b, 0xc2b2_ae35];
 
 /// Classifies redundant equations again if their mismatch may exceed the tolerance of their own right-hand side.
@@ -66,8 +67,8 @@ pub(super) fn find(pass: &mut PassResult, rule: &MismatchRule) {
     }
 }
 
-/// Classifies an equation by its certificate without terms that may be rounding. It conflicts if its mismatch is larger than any error of a
-/// certificate. If errors of the certificate's coefficients may explain the mismatch, it stays redundant but is suspect.
+/// Classifies an equation again, without the terms of its certificate that may be rounding. It conflicts if its mismatch is larger than any
+/// error of a certificate. If errors of the certificate's coefficients may explain the mismatch, it stays redundant but is suspect.
 fn reclassify(d: &mut Dependent, history: &History, rule: &MismatchRule) {
     let terms = d.source.explain(history);
     let scaled = |term: &CertificateTerm| ldexp(term.coefficient.abs(), -rule.scaling.row[term.row]);
@@ -86,12 +87,12 @@ fn reclassify(d: &mut Dependent, history: &History, rule: &MismatchRule) {
     }
 }
 
-/// `number` times the random weight w of equation i, for each of the three solutions v.
+/// `number` times the random weight w of equation i, for each of the three solutions v of `C v = w b`.
 fn weights(keys: &RandomKeys, i: usize, number: f64) -> [f64; V] {
     SEEDS.map(|seed| number * signed(seed, keys.row(i as u32)))
 }
 
-/// The largest `|C_k v|` that is more than the rounding of its terms, over the solutions v.
+/// The largest `|C_k v|` of equation k over the solutions v of `C v = w b`. A value that may be rounding of its terms counts as 0.
 ///
 /// A right-hand side L gives v an error of about `eps L / d`, where d is the distance from dependence. This error could be taken for a size
 /// that excuses a mismatch of `eps L` only if `d` is below the tolerance, and then the rank is in doubt.

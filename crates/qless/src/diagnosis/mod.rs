@@ -60,7 +60,7 @@ pub enum AnalysisError {
         "row {row}: its coefficients are all below 2.2e-308, where numbers lose their digits; rescale the equation"
     )]
     Subnormal {
-        /// The equation, 0-based.
+        /// The equation with the small coefficients, 0-based.
         row: usize,
     },
     /// Numbers are so large or so small that the scaled right-hand side leaves the range of doubles.
@@ -68,7 +68,7 @@ pub enum AnalysisError {
         "row {row}: its right-hand side is too large for its coefficients (ratio beyond 1e308); rescale the equation"
     )]
     Range {
-        /// The equation, 0-based.
+        /// The equation with the large right-hand side, 0-based.
         row: usize,
     },
 }
@@ -124,7 +124,7 @@ pub struct Analysis {
     pub(crate) backend: (&'static str, String),
     pub(crate) options: Options,
     pub(crate) basis: Basis,
-    /// Bounds of the rows of T, as in [`nullspace_probe::NullspaceProbe::bounds`].
+    /// For each row of the basis, a bound of the row of T ([`nullspace_probe::NullspaceProbe::bounds`]).
     pub(crate) bounds: Vec<f64>,
     pub(crate) blocks: Vec<Block>,
     pub(crate) history: History,
@@ -132,7 +132,7 @@ pub struct Analysis {
     /// b as analysed. If a preferred equation replaced one that contradicts it, the entry of the replaced one is corrected to agree.
     pub(crate) rhs: Vec<f64>,
     pub(crate) numbering: Numbering,
-    /// Local numbers of [`Analysis::generated`].
+    /// Local numbers of the fixed DOFs, which [`Analysis::generated`] lists by the user's numbers.
     pub(crate) fixed: Vec<u32>,
     times: OnceLock<Vec<u32>>,
     /// The equations of each DOF, computed when an explanation needs them.
@@ -164,7 +164,7 @@ impl Analysis {
         self.basis.rank()
     }
 
-    /// The analysed system, without the coefficients of [`Analysis::noise`].
+    /// The analysed system, without the coefficients that count as zero ([`Analysis::noise`]).
     pub fn system(&self) -> &ConstraintSystem {
         &self.system
     }

@@ -79,7 +79,7 @@ impl PassResult {
         self.far_dependent.iter().map(|&row| self.history.rows[row as usize] as usize)
     }
 
-    /// The user's row of row t of the basis, peeled or eliminated.
+    /// The user's equation that became row t of the basis, which is peeled or eliminated.
     pub fn users_row(&self, t: usize) -> usize {
         let first = self.basis.peeled.len();
         match self.basis.peeled.get(t) {

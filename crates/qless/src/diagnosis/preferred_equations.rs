@@ -83,7 +83,7 @@ fn certificate(dependent: &Dependent, history: &History) -> BTreeMap<usize, f64>
     dependent.source.explain(history).into_iter().map(|term| (term.row, term.coefficient)).collect()
 }
 
-/// Among the equations of a certificate that are not wanted, the one with the largest term.
+/// The equation that a preferred one replaces: the one with the largest term among the equations of the certificate that are not preferred.
 fn substitute_for(because: &BTreeMap<usize, f64>, wanted: &BTreeSet<usize>, scaling: &Scaling) -> Option<usize> {
     let part = |(&row, c): (&usize, &f64)| (row, ldexp(c.abs(), -scaling.row[row]));
     let may_go = because.iter().filter(|(row, _)| !wanted.contains(row)).map(part);

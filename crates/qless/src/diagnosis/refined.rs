@@ -61,7 +61,7 @@ impl KeptRows<'_> {
         for (t, &row) in self.basis.peeled.iter().enumerate().rev() {
             let (row, slave) = (row as usize, self.basis.slave(t));
             let pivot = self.system.coefficient(row, slave);
-            // The second quotient has the digits that the first one has lost.
+            // The first quotient is rounded to a double. The second one, of the new remainder, adds the digits that the rounding has lost.
             for _ in 0..2 {
                 let quotient = solution.left(self.system, row, sides(row)).map(|(left, _)| left / pivot);
                 solution.add_to(slave as usize, quotient);

@@ -166,14 +166,16 @@ impl<K> std::fmt::Debug for Operator<'_, K> {
 }
 
 impl Elimination {
-    /// The condensed matrix `L^T K L` as an operator. `k(u, f)` must add `K u` to f, which is zero before the call.
+    /// The condensed matrix `L^T K L` as an operator, where L holds T and the identity. `k(u, f)` must add `K u` to f, which is zero before
+    /// the call.
     pub fn operator<K: FnMut(&[f64], &mut [f64])>(&self, k: K) -> Operator<'_, K> {
         Operator { elimination: self, k, u: vec![0.0; self.dofs()], f: vec![0.0; self.dofs()] }
     }
 }
 
 impl<K: FnMut(&[f64], &mut [f64])> Operator<'_, K> {
-    /// Multiplies by the condensed matrix: `y = L^T K L x`. Both x and y are vectors over [`Elimination::masters`].
+    /// Multiplies by the condensed matrix: `y = L^T K L x`, where L holds T and the identity. Both x and y are vectors over
+    /// [`Elimination::masters`].
     ///
     /// # Errors
     /// As [`Elimination::restrict_into`].

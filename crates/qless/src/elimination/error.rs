@@ -11,9 +11,9 @@ pub enum EliminationError {
     /// Some equations conflict with others.
     #[error("equations conflict with others: {}; change their right-hand sides, or remove them", first_labels(.labels))]
     Conflicting {
-        /// The equations, 0-based.
+        /// The conflicting equations, 0-based.
         rows: Vec<usize>,
-        /// The labels of these equations.
+        /// The labels of the conflicting equations.
         labels: Vec<String>,
     },
     /// The elimination was made from a reduction, without equations.

@@ -11,7 +11,7 @@ use crate::input::numbering::Numbering;
 use crate::input::scale::{balanced_where, ldexp};
 use crate::{ArgumentError, Csr, Kind, SystemBuilder};
 
-/// Factors of `C_S`: the independent equations in the columns of the slaves.
+/// Factors of `C_S`, the independent equations in the columns of the slaves.
 pub(super) struct MultiplierFactors {
     /// The independent equations.
     equations: Vec<usize>,

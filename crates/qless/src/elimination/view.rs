@@ -122,7 +122,7 @@ impl<'a, P: Index, I: Index> View<'a, P, I> {
         self.storage
     }
 
-    /// The range of the entries of line i.
+    /// The range of the entries of line i (a row or a column) in the list of indices.
     #[inline]
     pub(super) fn range(&self, i: usize) -> std::ops::Range<usize> {
         match self.starts.get(i + 1) {
@@ -131,7 +131,7 @@ impl<'a, P: Index, I: Index> View<'a, P, I> {
         }
     }
 
-    /// The index of entry k in its line, counted from 0: the column if lines are rows, else the row.
+    /// The index of entry k in its line, counted from 0: the column of the entry if lines are rows, else its row.
     #[inline]
     pub(super) fn index(&self, k: usize) -> usize {
         self.index[k].position() - self.base

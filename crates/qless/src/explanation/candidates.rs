@@ -16,7 +16,7 @@ pub(super) struct Candidates<'a> {
 }
 
 impl<'a> Candidates<'a> {
-    /// Conflicting equations are no candidates: a circle with two of them can hide both conflicts.
+    /// Conflicting equations are no candidates: in a cycle with two of them their mismatches can cancel, which would hide both conflicts.
     pub fn is_allowed(&self, row: u32) -> bool {
         let row = row as usize;
         self.kinds[row] != Kind::Conflicting && self.row != Some(row)

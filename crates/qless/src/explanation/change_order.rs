@@ -35,8 +35,9 @@ impl<'a> Plausibility<'a> {
         if largest > 0.0 { b / largest } else { b }
     }
 
-    /// Sort key of a way: changes from rare numbers to common ones come first, then those to numbers that are not larger than all others,
-    /// then those to numbers with fewer digits, then those from nonzero numbers, then by place.
+    /// Sort key of a way (a list of changes that cures conflicts); the smallest key comes first. It compares, in this order: how much more
+    /// common the new values are than the old ones, the decades by which new values exceed all present ones, the digits of the new values,
+    /// the number of zeros that change, and the places.
     pub fn key(&self, way: &[Change]) -> (isize, usize, usize, usize, Vec<Number>) {
         let common = way.iter().map(|change| self.surplus(change)).sum::<isize>();
         let decades = way.iter().map(|change| self.decades(change)).sum();

@@ -10,44 +10,48 @@
 //! d_i = 1 / |row i of R^-1|                     distance of member i from the span of the others
 //! ```
 //!
-//! Without member i, the smallest remainder is d_i: if it is within the tolerance, the others may explain v. Members are independent, so that
-//! their coefficients are unique: such a member has a coefficient that should be zero.
+//! Without member i, the smallest remainder is d_i. If it is within the tolerance, the others may explain v. Members are independent, so
+//! their coefficients are unique, and the coefficient of such a member should be zero.
 
 use std::collections::HashSet;
 
 use super::{Explanation, NOISE, neighbourhood};
 use crate::{Analysis, CertificateTerm};
 
-/// Largest number of members that are examined, as many as a neighbourhood has: a factorization of M takes some milliseconds then.
+/// Largest number of members that are examined, as many as a neighbourhood has. The QR factorization of the matrix M of their terms then
+/// takes some milliseconds.
 const MOST: usize = neighbourhood::MOST;
 
-/// Number of multiplications of all factorizations for one explanation, after which no other member is tried: about a tenth of a second.
+/// Largest number of multiplications of all factorizations for one explanation: about a tenth of a second. Beyond it no other member is
+/// tried.
 const MOST_EFFORT: usize = 1 << 28;
 
-/// Each projection is subtracted twice, and each solution refined once: that leaves no more than rounding.
+/// Each projection is subtracted twice, and each solution is computed and then refined once. That leaves no more than rounding.
 const PASSES: usize = 2;
 
-/// Equations with nonzero coefficients, and their factorization `M = Q R`.
+/// The members of an explanation, and the factorization `M = Q R` of the matrix M of their terms: a row for each DOF, a column for each
+/// member.
 struct Members<'a> {
     analysis: &'a Analysis,
     vector: &'a [(u32, f64)],
     terms: Vec<CertificateTerm>,
-    /// The free DOFs, ascending, with the sizes of their sums: the rows of M.
+    /// For each row of M, its free DOF and the sum of the magnitudes of the terms at this DOF; ascending by DOF.
     sizes: Vec<(u32, f64)>,
-    /// The columns of Q.
+    /// The columns of the orthonormal factor Q of M.
     q: Vec<Vec<f64>>,
-    /// The columns of R; column i has `i + 1` numbers.
+    /// The columns of the triangular factor R of M; column i has `i + 1` numbers.
     r: Vec<Vec<f64>>,
-    /// For each column of M, its coefficient divided by the one for which M was computed.
+    /// For each member, its coefficient divided by the one for which its column of M was computed.
     factors: Vec<f64>,
 }
 
 impl Analysis {
-    /// The explanation of a vector by these equations, without members that can be left out, and the number of operations.
+    /// Leaves out members of `whole`, the explanation of a vector by `terms`, if the others still explain the vector. Also returns the
+    /// number of operations.
     ///
-    /// A smaller set is good if its error is within the tolerance, or no larger than before, and if it `agrees` with the verdict like the
-    /// whole. Coefficients that should be zero are at most `rounding`, relative to the sums at their DOFs. Without `search`, members are
-    /// not tried one by one.
+    /// A smaller set is good if its error is within the tolerance or no larger than that of `whole`, and if it `agrees` with the verdict or
+    /// `whole` does not. Coefficients that should be zero are at most `rounding`, relative to the sums at their DOFs. Without `search`,
+    /// members are not tried one by one.
     pub(super) fn irreducible(
         &self,
         vector: &[(u32, f64)],
@@ -76,7 +80,7 @@ impl Analysis {
             let mut fewer = members.without(row);
             let mut found = explain(fewer.terms.clone());
             effort += fewer.effort();
-            // Several members may have to be left out together.
+            // If the vector is not explained without this member, more members may have to be left out together with it.
             while let (None, Some(next)) = (&found, fewer.weakest(&HashSet::new()).filter(|_| effort < MOST_EFFORT)) {
                 fewer = fewer.without(next);
                 found = explain(fewer.terms.clone());
@@ -161,12 +165,12 @@ impl<'a> Members<'a> {
         PASSES * self.terms.len() * self.terms.len() * self.sizes.len() + 1
     }
 
-    /// The remainder of each free DOF, and the size of its sum.
+    /// For each free DOF, what remains of the vector after the members are subtracted, and the sum of the magnitudes of the terms.
     fn sums(&self) -> impl Iterator<Item = (u32, (f64, f64))> + use<> {
         self.analysis.parts(self.vector.iter().copied(), &self.terms).into_iter()
     }
 
-    /// The column of M of an equation.
+    /// The column of M of a member: its term at each free DOF, divided by the sum of the magnitudes of all terms there.
     fn column(&self, term: CertificateTerm) -> Vec<f64> {
         let (system, mut column) = (self.analysis.local(), vec![0.0; self.sizes.len()]);
         for (j, value) in system.row(term.row) {
@@ -177,7 +181,7 @@ impl<'a> Members<'a> {
         column
     }
 
-    /// Subtracts the projections on the columns of Q, and adds their factors.
+    /// Subtracts from a vector its projections on the columns of Q, and adds the factor of each projection to `factors`.
     fn project(&self, vector: &mut [f64], factors: &mut [f64]) {
         for (q, sum) in self.q.iter().zip(factors) {
             let factor = dot(q, vector);
@@ -195,7 +199,8 @@ impl<'a> Members<'a> {
         }
     }
 
-    /// Among the equations that may not be needed, the one that leaves the smallest remainder. None if all leave more than the tolerance.
+    /// Among the equations that may not be needed, the one whose absence leaves the smallest remainder. None if the absence of each one
+    /// leaves more than the tolerance.
     fn weakest(&self, needed: &HashSet<usize>) -> Option<usize> {
         let mut squares = vec![0.0; self.terms.len()];
         for k in 0..squares.len() {

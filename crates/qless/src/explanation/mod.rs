@@ -43,7 +43,8 @@ use candidates::Candidates;
 pub use changes::{Change, Number};
 pub use repair::{Freed, Repair};
 
-/// Largest number of equations that a search for a circle visits; such a search takes a millisecond.
+/// Largest number of equations that are visited in the search for a circle (a cycle of equations with one or two DOFs). Such a search takes
+/// a millisecond.
 const MOST_VISITED: usize = 1 << 14;
 
 /// A sum that cancels to this fraction of its terms is zero.
@@ -93,12 +94,13 @@ impl Member {
 pub struct Explanation {
     /// Equations, ascending, then prescribed values, ascending. Empty for the equation `0 = b`.
     pub members: Vec<Member>,
-    /// The right-hand side of their sum: `sum_i c_i b_i + sum_j d_j value_j`. The explained equation would be redundant with this
-    /// right-hand side; a fixed DOF has this value.
+    /// The right-hand side of the sum of the members: `sum_i c_i b_i + sum_j d_j value_j`. The explained equation would be redundant with
+    /// this right-hand side; a fixed DOF has this value.
     pub right_hand_side: f64,
     /// Largest relative remainder: `max_j |row_kj - sum c_i row_ij| / (|row_kj| + sum |c_i row_ij|)` over the free DOFs.
     pub error: f64,
-    /// False if it may be possible to leave out a member: more than 128 equations, some with small coefficients, are not examined.
+    /// False if it may be possible to leave out a member, because the explanation was not examined completely. One with more than 128
+    /// equations is not examined if some coefficients are small.
     pub is_irreducible: bool,
 }
 
@@ -241,7 +243,8 @@ impl Analysis {
         let (near, effort) = neighbourhood::near(&candidates, &free, tolerance);
         // Pivots are above the tolerance of their sums, so they enlarge rounding by a factor below `1 / tolerance`.
         let rounding = f64::EPSILON / tolerance;
-        // Terms that exceed the vector by a factor of `1 / tolerance` explain any vector within the tolerance.
+        // Terms that exceed the vector by a factor of `1 / tolerance` can match any vector to within the tolerance, so they explain
+        // nothing.
         let largest =
             free.iter().map(|&(j, value)| ldexp(value.abs(), self.scaling.col(j as usize))).fold(0.0, f64::max);
         let size = |term: &CertificateTerm| ldexp(term.coefficient.abs(), -self.scaling.row[term.row]);
@@ -250,16 +253,17 @@ impl Analysis {
         (near.map(|near| (near, rounding)), visited + effort)
     }
 
-    /// Returns false if more than half of each coefficient remains: sums that are far larger than the coefficients hide this.
+    /// Returns false if more than half of each coefficient of the vector remains. The relative error does not show this if the sums are far
+    /// larger than the coefficients.
     fn says_something(&self, vector: &[(u32, f64)], sums: &[(u32, (f64, f64))]) -> bool {
         let left = |j: u32| sums.binary_search_by_key(&j, |sum| sum.0).map_or(0.0, |place| sums[place].1.0);
         let mut free = vector.iter().filter(|&&(j, _)| self.numbering.free[j as usize]).peekable();
         free.peek().is_none() || free.any(|&(j, value)| left(j).abs() <= value.abs() / 2.0)
     }
 
-    /// Bound of coefficients that may be zero. If a kept equation with a larger coefficient is left out, more than the tolerance remains:
-    /// only changes as large as the distance make the equations of its component dependent. The distance is an estimate within a factor of
-    /// their number.
+    /// Bound below which a coefficient may stand for zero: the tolerance divided by the distance of the component from dependence. If an
+    /// equation with a larger coefficient is left out, more than the tolerance remains. The distance is an estimate within a factor of the
+    /// number of equations.
     fn rounding(&self, terms: &[CertificateTerm]) -> f64 {
         self.options.tolerance.value() / terms.first().map_or(1.0, |term| self.distance_near(term.row))
     }

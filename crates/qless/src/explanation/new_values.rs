@@ -5,29 +5,30 @@
 //! m_o(x) = 0                                solved for the numbers of a way by refinement; the other numbers keep their values
 //! ```
 //!
-//! The sum is computed in twice the precision. `from + change` would keep only the digits of the larger of the two.
+//! Each sum is computed in twice the precision. The present value plus a change in doubles would keep only the digits of the larger of the
+//! two.
 
 use std::collections::BTreeMap;
 
 use super::changes::Number;
 use crate::common::two_sum;
 
-/// Refinements of the values. Each gains about 15 digits, as far as the coefficients have them.
+/// Number of refinements of the new values. Each gains about 15 digits, unless the coefficients have fewer correct digits.
 const REFINEMENTS: usize = 3;
 
-/// A shorter value leaves mismatches of at most this fraction of the tolerance. Other certificates of the same equations, with other
-/// factors, then agree within the tolerance, too.
+/// A new value is shortened if it leaves mismatches of at most this fraction of the tolerance. Then other certificates of the same
+/// equations, which have other factors, agree within the tolerance too.
 const FIT: f64 = 1e-2;
 
-/// A mismatch as a sum over all its numbers.
+/// The mismatch of a conflict as a sum over all numbers that affect it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MismatchSum {
-    /// Numbers with their effects on the mismatch and their present values.
+    /// For each number, its effect on the mismatch and its present value.
     pub terms: BTreeMap<Number, (f64, f64)>,
-    /// The sum with the present values, and the rounding error of its additions.
+    /// The sum for the present values, and the rounding errors of its products and additions.
     present: (f64, f64),
     constant: f64,
-    /// The size of each term with its number, descending.
+    /// The magnitude of each term with its number, the largest first.
     sizes: Vec<(f64, Number)>,
 }
 
@@ -44,7 +45,8 @@ impl MismatchSum {
         Self { terms: all, present, constant, sizes }
     }
 
-    /// The mismatch with the values of a way, in twice the precision, and its largest term. O(numbers of the way).
+    /// The mismatch and its largest term if the numbers in `way` have the values given there. The sum is computed in twice the precision.
+    /// O(length of `way`).
     pub fn at(&self, way: &[(Number, f64)]) -> (f64, f64) {
         let is_kept = |of: &&(f64, Number)| way.iter().all(|(number, _)| *number != of.1);
         let (mut sum, kept) = (self.present, self.sizes.iter().find(is_kept));
@@ -63,14 +65,15 @@ impl MismatchSum {
     }
 }
 
-/// Adds the product of `effect` and x to a sum, and its rounding error to that of the sum.
+/// Adds the product of `effect` and x to a sum, and the rounding errors of the product and of the addition to `lost`.
 fn plus((sum, lost): (f64, f64), effect: f64, x: f64) -> (f64, f64) {
     let part = effect * x;
     let (next, error) = two_sum(sum, part);
     (next, lost + (effect.mul_add(x, -part) + error))
 }
 
-/// The new values of the numbers of a way, which is given as changes: refined, then with as few digits as the tolerance allows.
+/// The new values of the numbers in `changes`, which says by how much each number changes. The values are refined, and then shortened to as
+/// few digits as the tolerance allows.
 pub(super) fn new_values(sums: &[MismatchSum], changes: &[(Number, f64)], tolerance: f64) -> Vec<(Number, f64)> {
     let value = |number: &Number| sums.iter().find_map(|sum| sum.terms.get(number)).map_or(0.0, |term| term.1);
     let mut way: Vec<(Number, f64)> =
@@ -87,8 +90,9 @@ pub(super) fn new_values(sums: &[MismatchSum], changes: &[(Number, f64)], tolera
     way
 }
 
-/// Solves `m(x) + A dx = 0` for dx by Gauss elimination with pivoting. Each mismatch is divided by its largest term, so that the pivots
-/// are the mismatches with the smallest rounding. Mismatches beyond the number of values are consistent, so they are left out.
+/// Computes corrections dx of the values in `way` from `m + A dx = 0`, with the mismatches m and the effects A of the numbers, by Gauss
+/// elimination with pivoting. Each mismatch is divided by its largest term, so that the pivots are the mismatches with the smallest
+/// rounding. Mismatches beyond the number of values are consistent, so they are left out.
 fn corrections(sums: &[&MismatchSum], way: &[(Number, f64)]) -> Vec<f64> {
     let row = |sum: &&MismatchSum| {
         let (mismatch, size) = sum.at(way);
@@ -118,7 +122,8 @@ fn corrections(sums: &[&MismatchSum], way: &[(Number, f64)]) -> Vec<f64> {
     solution
 }
 
-/// Replaces a value by zero or by its first 12 digits if all mismatches stay below `least` of their largest terms.
+/// Replaces value k by zero or, if that does not fit, rounds it to 12 digits. A value fits if it leaves all mismatches within `least` times
+/// their largest terms; otherwise it stays.
 fn shorten(sums: &[&MismatchSum], way: &mut [(Number, f64)], k: usize, least: f64) {
     let exact = way[k].1;
     let rounded = format!("{exact:.11e}").parse().unwrap_or(exact);

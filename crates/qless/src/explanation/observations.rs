@@ -8,10 +8,10 @@ use crate::common::DisjointSets;
 
 /// Largest number of numbers whose pairs are tried: 300 numbers have 45,000 pairs.
 const MOST_PAIRED: usize = 300;
-/// Numbers that agree to this, relative to their size, count as equal: mismatches have more digits.
+/// A sum of a mismatch and its changes counts as zero if it cancels to this fraction of its terms; mismatches are accurate to more digits.
 const EQUAL: f64 = 1e-6;
 
-/// The effects of one number on observations: `m_o` grows by `effect` times the change.
+/// The effects of one number on mismatches, as (o, effect): mismatch `m_o` grows by `effect` times the change of the number.
 pub(super) type Effects = Vec<(usize, f64)>;
 
 /// Mismatches to cure, and the numbers that affect them.
@@ -25,7 +25,7 @@ pub(super) struct Observations {
 }
 
 impl Observations {
-    /// Adds a mismatch, which some of its numbers may cure.
+    /// Adds a mismatch. Of the numbers in its sum, those for which `may_cure` is true may be changed.
     pub fn add(&mut self, sum: MismatchSum, may_cure: impl Fn(&Number) -> bool) {
         let o = self.mismatches.len();
         self.mismatches.push(sum.at(&[]).0);
@@ -35,7 +35,7 @@ impl Observations {
         self.sums.push(sum);
     }
 
-    /// Groups of observations, connected by common numbers.
+    /// Groups of mismatches that are connected by common numbers.
     pub fn groups(&self) -> Vec<Vec<usize>> {
         let mut sets = DisjointSets::new(self.mismatches.len());
         for effects in self.effects.values() {
@@ -118,7 +118,7 @@ impl Observations {
     }
 
     /// Changes one number after the other, always the one with the largest [`gain`]. Each change lowers the number of remaining mismatches,
-    /// so this ends. None is left if each mismatch has a number that affects no other one.
+    /// so this ends. No mismatch is left if each one has a number that affects no other mismatch.
     pub fn greedy(&self) -> Vec<(Number, f64)> {
         let mut left = self.mismatches.clone();
         let mut chosen: BTreeMap<Number, f64> = BTreeMap::new();

@@ -26,20 +26,22 @@ use crate::factor::backend::BackendError;
 use crate::input::scale::ldexp;
 use crate::{Analysis, Dependent, Kind};
 
-/// Largest number of conflicts that are examined one by one. More conflicts are replaced by random sums, which show single changes only.
+/// Largest number of conflicts that are examined one by one. Beyond it only random sums of all conflicts are examined. They reveal single
+/// changes that cure all conflicts, but no sets of changes.
 const MOST_CONFLICTS: usize = 64;
-/// Number of random sums that replace many conflicts: a single change that does not cure the conflicts cures both sums with probability 0.
+/// Number of random sums that replace many conflicts. A single change that does not cure all conflicts cures both sums with probability 0.
 const SUMS: usize = 2;
 /// Largest number of conflicts for which pairs of changes are searched completely.
 const HANDFUL: usize = 8;
-/// Largest number of ways that are listed; the others are only counted.
+/// Largest number of ways (lists of changes that cure the conflicts) that a repair lists; other ways are only counted.
 const MOST_WAYS: usize = 16;
-/// Number of ways that are tried in any case until one holds, however long an analysis takes.
+/// As long as no way holds, at least this many ways are tried, even if the budget of the verification is used up.
 const TRIED: usize = 4;
-/// Largest number of rounds of changes. A round uncovers wrong numbers that are smaller by the tolerance, 10 digits, and doubles have 16.
+/// Largest number of rounds of changes. A round uncovers wrong numbers that are smaller than those of the round before by a factor of the
+/// tolerance, 1e-10. Doubles have 16 digits, so few rounds are enough.
 const ROUNDS: usize = 4;
-/// A coefficient below this fraction of the largest one of a certificate or a random sum counts as zero: its terms cancel, or only a change
-/// that is larger than all other numbers would cure the conflict.
+/// A coefficient below this fraction of the largest one of a certificate or a random sum counts as zero. Either its terms cancel, or only a
+/// change that is larger than all other numbers would cure the conflict.
 const NOISE: f64 = 1e-9;
 
 /// A function that finds ways; a way lists numbers and how much each changes.
@@ -68,7 +70,8 @@ pub struct Repair {
     /// Fewer if an analysis takes long. Empty if no way was found that holds, or if more than 64 conflicts have no single change that cures
     /// them.
     pub ways: Vec<Vec<Change>>,
-    /// Number of ways with this number of changes: the listed ones, and further ones that were not verified.
+    /// Number of ways to cure the conflicts with as few changes as each listed way has: the listed ways, and further ones that were not
+    /// verified.
     pub count: usize,
 }
 
@@ -272,7 +275,7 @@ impl Analysis {
         Repair { conflicts, count: ways.len(), ways }
     }
 
-    /// Cures conflicts in rounds: a large wrong number hides small ones, which conflict when it is changed.
+    /// Cures conflicts in rounds. A large wrong number hides smaller ones, whose conflicts appear only after the large number is changed.
     fn repeated(
         &self,
         conflicts: &[usize],

@@ -26,7 +26,7 @@ enum Grounded {
     Prescribed,
 }
 
-/// A closed circle: paths to the vertices `ends`, which the equation `joint` joins, or which are grounded.
+/// A cycle of equations: paths to the vertices `ends`, which the equation `joint` connects, or which are connected to the ground.
 struct Circle {
     length: usize,
     ends: Vec<u32>,
@@ -38,13 +38,15 @@ struct Circle {
 struct TieSearch<'a> {
     candidates: &'a Candidates<'a>,
     reached: HashMap<u32, Reached>,
-    /// For each side (start of the search), the grounded vertex with the shortest path, and the length of that path.
+    /// For each side (a DOF at which the search starts), the vertex with the shortest path to the ground, the length of this path, and the
+    /// connection of the vertex to the ground.
     ground: Vec<Option<(u32, usize, Grounded)>>,
     best: Option<Circle>,
 }
 
-/// The equations of the shortest circle through a vector with one or two DOFs, each with the DOF that it eliminates from the vector, and
-/// the number of equations visited, which is at most `most`. The coefficients of the circle may not match; the caller checks that.
+/// Finds the shortest circle (cycle of equations) through a vector with one or two DOFs. Returns its equations, each with the DOF that it
+/// eliminates from the vector, and the number of equations visited, at most `most`. The coefficients of the circle may not match; the
+/// caller checks that.
 pub(super) fn shortest_circle(candidates: &Candidates, ends: &[u32], most: usize) -> (Option<Vec<(u32, u32)>>, usize) {
     if ends.is_empty() || ends.len() > 2 {
         return (None, 0);

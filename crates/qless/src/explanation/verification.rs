@@ -1,6 +1,6 @@
 //! Verifies repairs: the system with the new values is analysed again.
 //!
-//! Only components in which a number changes are analysed, because the verdicts of others stay the same.
+//! Only the components with a conflict to cure or a changed number are analysed, because the verdicts of others stay the same.
 
 use std::cell::Cell;
 
@@ -11,12 +11,12 @@ use crate::{Analysis, Effort, Kind, Options, analyse};
 
 /// Number of equations that are analysed again for all repairs of a system; this takes about a second if presolve settles them.
 const MOST_ANALYSED: usize = 1 << 20;
-/// An equation of presolve takes as long as this number of operations of a dense factorization: a microsecond.
+/// Number of operations of a dense factorization that take as long as one equation of presolve: a microsecond.
 const OPERATIONS: usize = 4096;
 
 /// A system with changed numbers, analysed again.
 pub(super) struct ChangedSystem {
-    /// The analysis of the components in which a number changes; the equations have the same numbers.
+    /// The analysis of the components with a conflict to cure or a changed number; the equations have the same numbers.
     pub analysis: Analysis,
     /// Conflicts that should be cured, and equations that have become conflicting.
     pub wrong: Vec<usize>,
@@ -26,18 +26,19 @@ pub(super) struct ChangedSystem {
 pub(super) struct Verification<'a> {
     analysis: &'a Analysis,
     options: Options,
-    /// Number of equations that may still be analysed; equations of blocks count by the operations of dense factorizations.
+    /// Number of equations that may still be analysed. [`OPERATIONS`] operations of the dense factorization of a block count as one
+    /// equation.
     left: Cell<usize>,
 }
 
 impl<'a> Verification<'a> {
     pub fn new(analysis: &'a Analysis) -> Self {
-        // Effort beyond `Checked` changes no verdict.
+        // A higher effort than `Checked` would cost time and change no verdict.
         let options = Options { effort: analysis.options.effort.min(Effort::Checked), ..analysis.options.clone() };
         Self { analysis, options, left: Cell::new(MOST_ANALYSED) }
     }
 
-    /// Returns true if no more systems are analysed.
+    /// Returns true if the number of equations that may be analysed is used up.
     pub fn is_over(&self) -> bool {
         self.left.get() == 0
     }
@@ -73,7 +74,7 @@ impl<'a> Verification<'a> {
         Some(ChangedSystem { analysis, wrong })
     }
 
-    /// The equations of all components in which a number changes.
+    /// Marks the equations of all components with a conflict to cure or a changed number.
     fn concerned(&self, conflicts: &[usize], way: &[Change]) -> Vec<bool> {
         let Analysis { numbering, system, incidence, .. } = self.analysis;
         let incidence = incidence.get_or_init(|| Incidence::new(numbering.view(system, system.rhs())));

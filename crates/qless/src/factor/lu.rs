@@ -21,11 +21,11 @@ pub(crate) struct SparseLu {
     pub slaves: Vec<u32>,
     /// The equation that is eliminated in each step.
     pub order: Vec<u32>,
-    /// L11 without its diagonal of ones, by rows.
+    /// The factor L11 of `C^T = [L11; L21] U` by rows, without its diagonal of ones.
     pub l: Csr,
-    /// U without its diagonal, by rows.
+    /// The factor U of `C^T = [L11; L21] U` by rows, without its diagonal.
     pub u: Csr,
-    /// The diagonal of U.
+    /// The diagonal of the factor U.
     pub diagonal: Vec<f64>,
 }
 
@@ -59,11 +59,11 @@ struct LuWork<'a> {
     /// Number of equations of each DOF; [`NONE`] for those that may not be slaves.
     count: Vec<u32>,
     step_of: Vec<u32>,
-    /// Columns of L without the diagonal. The next two fields are the DOFs and the values of their entries.
+    /// The start of each column of the factor L, without its diagonal. The next two fields are the DOFs and the values of the entries.
     start: Vec<usize>,
     dofs: Vec<u32>,
     values: Vec<f64>,
-    /// U by columns.
+    /// The factor U by columns.
     upper: Csr,
     slaves: Vec<u32>,
     diagonal: Vec<f64>,
@@ -106,7 +106,7 @@ pub(crate) fn factor(
     for (k, &equation) in order.iter().enumerate() {
         work.reach(k as u32, equation);
         work.eliminate(k, equation)?;
-        // L and U exist twice while they are converted from columns to rows.
+        // The factors L and U exist twice while they are converted from columns to rows.
         let bytes = 32 * (work.values.len() + work.upper.nnz());
         if bytes > memory {
             return Err(LuError::Memory(bytes));
@@ -142,7 +142,7 @@ impl LuWork<'_> {
         }
     }
 
-    /// The range of a slave's column of L; empty for a master.
+    /// The range of a slave's column in the factor L; empty for a master.
     fn column(&self, dof: u32) -> std::ops::Range<usize> {
         match self.step_of[dof as usize] {
             NONE => 0..0,
@@ -169,7 +169,7 @@ impl LuWork<'_> {
         self.choose(k, ROUNDING * largest)
     }
 
-    /// Chooses the slave of step k, and stores the rest of the equation as a column of L.
+    /// Chooses the slave of step k, and stores the rest of the equation as a column of the factor L.
     fn choose(&mut self, k: usize, rounding: f64) -> Result<(), LuError> {
         let left = |&&dof: &&u32| self.step_of[dof as usize] == NONE;
         let may = |&&dof: &&u32| self.count[dof as usize] != NONE;

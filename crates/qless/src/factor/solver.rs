@@ -20,9 +20,9 @@ const FADED: f64 = 1e-19;
 #[derive(Clone, Debug)]
 pub(crate) struct SlaveSolver {
     lu: SparseLu,
-    /// C_S by columns: row k lists the entries of the slave of step k; equations are numbered by their steps.
+    /// C_S, the columns of the slaves: row k lists the entries of the slave of step k; equations are numbered by their steps.
     columns: Csr,
-    /// Step of each equation.
+    /// For each equation, the step that eliminates it.
     step: Vec<u32>,
 }
 
@@ -128,7 +128,8 @@ impl SlaveSolver {
         all
     }
 
-    /// `x = C_S^-1 b` for one dense b (by equation), with a step of refinement; x is in the order of the slaves.
+    /// Solves `C_S x = b` for one dense b (by equation), with a step of refinement; C_S has the columns of the slaves, and x is in their
+    /// order.
     pub fn solve_dense(&self, b: &[f64]) -> Vec<f64> {
         let mut rest = vec![0.0; b.len()];
         self.step.iter().zip(b).for_each(|(&step, &b)| rest[step as usize] = b);
@@ -141,7 +142,8 @@ impl SlaveSolver {
         x
     }
 
-    /// `y = C_S^-T f` for one dense f (in the order of the slaves), with a step of refinement; y is by equation.
+    /// Solves `C_S^T y = f` for one dense f, with a step of refinement. C_S has the columns of the slaves, f is in their order, and y is by
+    /// equation.
     pub fn solve_transposed(&self, f: &[f64]) -> Vec<f64> {
         let mut y = self.once_transposed(f.to_vec());
         let left = |k: usize| f[k] - self.columns.row(k).map(|(equation, v)| v * y[equation]).sum::<f64>();
@@ -150,7 +152,7 @@ impl SlaveSolver {
         self.step.iter().map(|&step| y[step as usize]).collect()
     }
 
-    /// Solves `C_S = U^T L11^T` once, without refinement: `L11^-T U^-T x`.
+    /// Solves with `C_S = U^T L11^T`, the columns of the slaves, once and without refinement: `L11^-T U^-T x`.
     fn once(&self, mut x: Vec<f64>) -> Vec<f64> {
         for k in 0..x.len() {
             x[k] /= self.lu.diagonal[k];
@@ -164,7 +166,7 @@ impl SlaveSolver {
         x
     }
 
-    /// Solves with the transposed C_S once, without refinement: `U^-1 L11^-1 y`.
+    /// Solves with the transpose of `C_S = U^T L11^T`, the columns of the slaves, once and without refinement: `U^-1 L11^-1 y`.
     fn once_transposed(&self, mut y: Vec<f64>) -> Vec<f64> {
         for k in 0..y.len() {
             y[k] -= self.lu.l.row(k).map(|(earlier, v)| v * y[earlier]).sum::<f64>();
@@ -181,12 +183,13 @@ impl SlaveSolver {
         self.lu.l.nnz() + self.lu.u.nnz() + self.lu.diagonal.len()
     }
 
-    /// The factors of `C_S = U^T L11^T`.
+    /// The factors of `C_S = U^T L11^T`, the columns of the slaves.
     pub fn lu(&self) -> &SparseLu {
         &self.lu
     }
 
-    /// Solves `C_S x = right` twice: the second solve is for the residual of the first and corrects x.
+    /// Solves `C_S x = right` twice, where C_S has the columns of the slaves: the second solve is for the residual of the first and
+    /// corrects x.
     fn column(&self, work: &mut SolverWork) -> Vec<(usize, f64)> {
         self.add_solution(work);
         self.subtract_product(work);

@@ -111,8 +111,9 @@ impl Suspects {
                 if single.is_empty() {
                     return Self::default();
                 }
-                // Rounding errors seldom occur alone, but an equation in small units does: its component has no other suspect coefficient.
-                // So the largest suspect coefficient of the component tells them apart.
+                // Rounding errors seldom occur alone, so the component of an equation of rounding errors has other suspect coefficients of
+                // similar size. The component of an equation that only has small units has none. So coefficients are compared with the
+                // largest suspect one.
                 let labels = Labels::of(system);
                 let label = |row: usize| labels.of_row[row] as usize;
                 let mut largest = vec![0.0_f64; labels.count];

@@ -19,9 +19,9 @@ pub enum Reading {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Number {
     pub(crate) negative: bool,
-    /// Below 10^17, hence below every prime of 61 bits: modulo such a prime, no number but 0 becomes 0.
+    /// The digits as a whole number below 10^17, hence below every prime of 61 bits. Modulo such a prime, only the number 0 becomes 0.
     pub(crate) digits: u64,
-    /// The base is ten if true, else two.
+    /// True for base ten, false for base two.
     pub(crate) decimal: bool,
     pub(crate) exponent: i32,
 }
@@ -30,7 +30,7 @@ impl Number {
     /// The number that a finite double means.
     pub(crate) fn read(value: f64, reading: Reading) -> Self {
         let (negative, size) = (value.is_sign_negative(), value.abs());
-        // Whole and below 2^53: both readings are the number itself.
+        // A whole number below 2^53 is the same number in both readings.
         if size < (1_u64 << 53) as f64 && size.fract() == 0.0 {
             return Self { negative, digits: size as u64, decimal: false, exponent: 0 };
         }

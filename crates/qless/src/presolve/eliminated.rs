@@ -16,7 +16,7 @@ pub(crate) struct Step {
     /// The other entries of the row, as `(DOF, coefficient)`.
     pub others: Vec<(u32, f64)>,
     pub rhs: f64,
-    /// [`WorkingRow::reach`] of the pivot row.
+    /// [`WorkingRow::reach`] of the pivot row: the largest product of factors by which elimination added a user's equation to the row.
     pub reach: f64,
 }
 
@@ -24,10 +24,10 @@ pub(crate) struct Step {
 #[derive(Clone, Debug)]
 pub(crate) struct EmptiedRow {
     pub row: u32,
-    /// The largest [`Entry::certain_left`](super::rows::Entry::certain_left) of the row's coefficients: those that were dropped before, and
-    /// those that were left when the row was classified. 0 if only rounding was dropped.
+    /// The largest [`Entry::certain_left`](super::rows::Entry::certain_left) of the row's coefficients: the fraction of a coefficient's
+    /// largest term that was treated as zero. Coefficients that were dropped earlier count too. 0 if only rounding was dropped.
     pub dropped: f64,
-    /// [`WorkingRow::reach`] of this row.
+    /// [`WorkingRow::reach`] of this row: the largest product of factors by which elimination added a user's equation to the row.
     pub reach: f64,
     /// The right-hand side of the row (without prescribed terms) minus that of its certificate.
     pub mismatch: Mismatch,
@@ -37,9 +37,9 @@ pub(crate) struct EmptiedRow {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Mismatch {
     pub value: f64,
-    /// The largest term of the sum that gave the value.
+    /// The largest term of the sum that gave the mismatch.
     pub size: f64,
-    /// Bound of the rounding error of the value.
+    /// Bound of the rounding error of the mismatch.
     pub error: f64,
 }
 

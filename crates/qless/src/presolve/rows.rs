@@ -49,7 +49,7 @@ impl Entry {
         self.value.abs() / self.size.max(f64::MIN_POSITIVE)
     }
 
-    /// [`Entry::left`], or 0 if it may be only rounding.
+    /// The fraction of the largest term that is left ([`Entry::left`]), or 0 if the coefficient may be only rounding.
     pub fn certain_left(&self) -> f64 {
         if self.is_certain() { self.left() } else { 0.0 }
     }
@@ -78,7 +78,8 @@ pub(crate) struct WorkingRow {
     pub effective: f64,
     pub effective_size: f64,
     pub effective_error: f64,
-    /// The largest [`Entry::left`] of the dropped coefficients of free DOFs. A coefficient that may be only rounding counts as 0.
+    /// The largest [`Entry::left`] of the dropped coefficients of free DOFs: the fraction of a coefficient's largest term that is left. A
+    /// coefficient that may be only rounding counts as 0.
     pub dropped: f64,
     /// The largest product of factors by which a user's equation was added to this row, at least 1. It amplifies the rounding errors of
     /// that equation.

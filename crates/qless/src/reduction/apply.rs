@@ -41,7 +41,7 @@ impl Reduction {
         self.prescribed.iter().zip(prescribed).for_each(|(&j, &v)| u[j] = v);
         let (t, g) = (self.t.product(masters), self.g_matrix.product(prescribed));
         self.factored.iter().for_each(|block| block.set_slaves(&mut u));
-        // T and G have empty rows for slaves of factored blocks, so t and g are zero there.
+        // T and G have empty rows for slaves of factored blocks, so `t` (T u_q) and `g` (G u_p) are zero there.
         self.slaves.iter().enumerate().for_each(|(i, &j)| u[j] += t[i] + g[i] + constant(i));
         u
     }

@@ -288,7 +288,7 @@ fn checked(mut reduction: Reduction, local: LocalSystem, input: &ReductionInput)
     residual_check::pass(&matrices.worse(constants), &reduction).map(|()| reduction)
 }
 
-/// For each part, the largest residual of [`Residuals::above`].
+/// For each part with equations in [`Residuals::above`], the largest residual of these equations.
 fn worst_by_part(found: &Residuals, labels: &Labels) -> BTreeMap<u32, f64> {
     let mut worst = BTreeMap::new();
     for &(row, residual) in &found.above {

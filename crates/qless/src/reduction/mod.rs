@@ -54,7 +54,7 @@ pub enum ReductionError {
     /// An entry of T, G or g exceeds the range of doubles.
     #[error("DOF {dof}: its value or a coefficient exceeds 1e308; rescale the equations")]
     NotFinite {
-        /// The slave, 0-based.
+        /// The slave in whose row the entry is, 0-based.
         dof: usize,
     },
     /// A block could not be factored again.

@@ -5,7 +5,8 @@ use crate::factor::block::Block;
 use crate::factor::solver::NOISE;
 use crate::input::scale::ldexp;
 
-/// A row of T is zero, and its slave fixed, if all its entries are at most this many units in the last place times the condition.
+/// A row of T is zero, and its slave fixed, if all its entries are at most this many units in the last place times the condition of the
+/// kept rows.
 const ZERO_UNITS: f64 = 8.0;
 /// Upper limit of the bound below which a row counts as zero, however large the condition is.
 const ZERO_LIMIT: f64 = 1e-8;
@@ -22,7 +23,7 @@ struct Units<'a> {
 }
 
 impl<'a> Units<'a> {
-    /// The two choices of units; only one if they are equal.
+    /// The two choices of units, those of the block's matrix and balanced ones; only one if they are equal.
     fn all(block: &'a Block) -> impl Iterator<Item = Self> {
         let both = block.balanced.iter().any(|&unit| unit != 0);
         [false, true].into_iter().take(1 + usize::from(both)).map(move |is_balanced| Self { block, is_balanced })
@@ -36,8 +37,8 @@ impl<'a> Units<'a> {
         if self.is_balanced { self.block.balanced_row(i) } else { 0 }
     }
 
-    /// Factor for each column of the relation that makes entries comparable: the unit of a master, or 1 over the largest coefficient of a
-    /// prescribed DOF.
+    /// For each column of the relation between slaves and other DOFs, the factor that makes entries comparable: the unit of a master, or 1
+    /// over the largest coefficient of a prescribed DOF.
     fn sizes(&self, masters: &[u32]) -> Vec<f64> {
         let mut prescribed = vec![0.0_f64; self.block.prescribed.len()];
         for i in 0..self.block.fixed.rows() {
@@ -71,8 +72,8 @@ pub(super) struct Cleaning<'a> {
 type Large = Vec<Vec<bool>>;
 
 impl Cleaning<'_> {
-    /// Returns the cleaned relation and the constants. `rows` are the rows of X by slave, each with ascending column numbers; the constant
-    /// is the last column.
+    /// Returns the cleaned relation and the constants. `rows` are the rows of X in `u_s = X [u_q; u_p; 1]`, one for each slave, with
+    /// ascending column numbers; the last column is the constant.
     pub fn run(&self, rows: &[Vec<(usize, f64)>]) -> (Csr, Vec<f64>) {
         let width = self.masters.len() + self.block.prescribed.len();
         let mut is_large: Large = rows.iter().map(|row| vec![false; row.len()]).collect();
@@ -118,9 +119,10 @@ impl Cleaning<'_> {
         }
     }
 
-    /// If an equation does not hold in a column with the entries marked so far, marks the entries of its slaves in this column. In a large
-    /// block entries decay with the distance from their master, so the residual is relative to the largest motions of the equation's DOFs.
-    /// In a small block, and for the constant, it is relative to the terms in the column.
+    /// Marks entries of X in `u_s = X [u_q; u_p; 1]` that equations need. If the terms of an equation in a column do not cancel with the
+    /// entries marked so far, the entries of its slaves in this column are marked. In a large block entries decay with the distance from
+    /// their master, so the residual is relative to the largest motions of the equation's DOFs. In a small block, and for the constant, it
+    /// is relative to the terms in the column.
     fn needed_by_equations(&self, rows: &[Vec<(usize, f64)>], sizes: &ColumnSizes, is_large: &mut Large) {
         let motions = self.motions(rows, sizes);
         let place = self.places();
@@ -164,7 +166,8 @@ impl Cleaning<'_> {
         place
     }
 
-    /// Adds the terms of equation i in all columns of X; of the entries of slaves, only the marked ones count.
+    /// Inserts `u_s = X [u_q; u_p; 1]` into equation i and adds its terms in each column of X. Entries of X that are not marked count as
+    /// zero.
     fn add_terms(&self, i: usize, (rows, is_large): Entries, place: &[RelationPlace], columns: &mut ColumnSums) {
         let q = self.masters.len();
         for (j, v) in self.block.matrix.row(i) {
@@ -180,7 +183,7 @@ impl Cleaning<'_> {
         columns.add(q + self.block.prescribed.len(), -self.block.rhs[i]);
     }
 
-    /// Marks the entries of the slaves of equation i in column c; returns true if one was not marked before.
+    /// Marks the entries in column c of the relation X for the slaves of equation i; returns true if one was not marked before.
     fn mark(
         &self,
         i: usize,
@@ -213,7 +216,7 @@ enum RelationPlace {
     Slave(usize),
 }
 
-/// The terms of an equation by column: their sum, and the sum of their magnitudes.
+/// The terms of an equation in each column of the relation X: their sum, and the sum of their magnitudes.
 struct ColumnSums {
     sums: Vec<(f64, f64)>,
     touched: Vec<usize>,
@@ -241,14 +244,15 @@ impl ColumnSums {
     }
 }
 
-/// A choice of units, and the factors of [`Units::sizes`] for the columns of the relation; the factor of the constant is 1.
+/// A choice of units, and for each column of the relation the factor that makes its entries comparable ([`Units::sizes`]); the factor of
+/// the constant is 1.
 struct ColumnSizes<'a> {
     units: Units<'a>,
     of_column: Vec<f64>,
 }
 
 impl ColumnSizes<'_> {
-    /// The size of an entry in the row of a slave, in these units.
+    /// The size of an entry in the row of a slave, in the units of this choice.
     fn of(&self, slave: u32, &(c, v): &(usize, f64)) -> f64 {
         ldexp(v.abs() * self.of_column[c], -self.units.dof(slave))
     }

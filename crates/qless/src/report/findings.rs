@@ -61,7 +61,8 @@ pub struct DependentEquation {
     /// [`Explanation::arithmetic`](crate::explanation::Explanation::arithmetic); the key is absent otherwise.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub arithmetic: Option<String>,
-    /// The keys `because` and, if they apply, `because_omitted`, `because_error` and `because_irreducible`.
+    /// The explanation of the equation. A serialized report has its keys in place of this field: `because` and, if they apply,
+    /// `because_omitted`, `because_error` and `because_irreducible`.
     #[cfg_attr(feature = "serde", serde(flatten))]
     pub certificate: Certificate,
 }
@@ -77,7 +78,8 @@ pub struct GeneratedCondition {
     pub label: String,
     /// The only value of the DOF that the equations allow.
     pub value: f64,
-    /// The keys `because` and, if they apply, `because_omitted`, `because_error` and `because_irreducible`.
+    /// The explanation of the fixed DOF. A serialized report has its keys in place of this field: `because` and, if they apply,
+    /// `because_omitted`, `because_error` and `because_irreducible`.
     #[cfg_attr(feature = "serde", serde(flatten))]
     pub certificate: Certificate,
 }

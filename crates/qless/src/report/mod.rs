@@ -98,7 +98,7 @@ pub struct Report {
     pub generated_boundary_conditions: Vec<GeneratedCondition>,
     /// The requested effort.
     pub effort: Effort,
-    /// The promise of this effort, in one sentence.
+    /// What the requested effort guarantees, in one sentence.
     pub promise: &'static str,
     /// How to cure the conflicts; the key is absent if there are none.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Vec::is_empty"))]
@@ -213,7 +213,7 @@ impl Report {
         self
     }
 
-    /// Sets the requested form of the reduction; the default is its actual form.
+    /// Sets the requested form of T in the report; without this call, the report names the actual form.
     #[must_use]
     pub fn with_form(mut self, form: Form) -> Self {
         self.reduction.iter_mut().for_each(|reduction| reduction.form = form);

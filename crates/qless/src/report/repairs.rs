@@ -12,10 +12,11 @@ use crate::{Analysis, ConstraintSystem};
 pub struct RepairFinding {
     /// The conflicting rows that the repair cures, from 1.
     pub conflicts: Vec<usize>,
-    /// Ways to cure all these conflicts together, the most plausible first: each is a list of changes. At most 16 ways, with equally many
-    /// changes.
+    /// Ways to cure all these conflicts together, the most plausible first. A way is a list of changes. There are at most 16 ways, and all
+    /// have the same number of changes.
     pub ways: Vec<Vec<ChangeFinding>>,
-    /// Number of ways with this number of changes: the listed ones, and further ones that were not verified.
+    /// Number of ways to cure the conflicts with as few changes as each listed way has: the listed ways, and further ones that were not
+    /// verified.
     pub count: usize,
 }
 

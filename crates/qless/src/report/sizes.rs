@@ -74,7 +74,7 @@ pub struct ReductionSizes {
     pub nnz: usize,
     /// Number of exchanges of a slave and a master that kept the growth within the bound.
     pub exchanges: usize,
-    /// The requested form.
+    /// The requested form of T, or its actual form if no request was stated.
     pub form: Form,
     /// The factored parts, whose rows of T and G are not explicit.
     pub factored: Vec<FactoredSizes>,

@@ -128,7 +128,7 @@ pub struct ExactRank {
     pub reading: Reading,
     /// Rank of `C_f`, the columns of free DOFs.
     pub rank: usize,
-    /// Rank of `[C_f | b - C_p u_p]`: the same if the equations have a solution, else one more.
+    /// Rank of `[C_f | b - C_p u_p]`: that of `C_f` if the equations have a solution, else one more.
     pub augmented_rank: usize,
     /// The primes, between 2^60 and 2^61.
     pub primes: [u64; 2],
@@ -151,7 +151,7 @@ pub struct PartRank {
 }
 
 impl ExactRank {
-    /// Upper bound of the probability that the rank is too small: `(40 (r + 3) / 2.7e16)^2`, over all draws of the primes.
+    /// Upper bound of the probability that the rank r is too small: `(40 (r + 3) / 2.7e16)^2`, over all draws of the primes.
     pub fn error_chance(&self) -> f64 {
         (40.0 * (self.rank as f64 + 3.0) / 2.7e16).powi(2)
     }

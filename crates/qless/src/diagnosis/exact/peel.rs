@@ -18,7 +18,8 @@ pub(super) struct Peeled {
     pub(super) unknown: Vec<bool>,
 }
 
-/// Removes singletons until there are none, columns first.
+/// Removes equations with a DOF in no other equation (column singletons), or else equations with one unknown DOF (row singletons), until
+/// there are none.
 pub(super) fn peel(matrix: &Csr, free: &[bool]) -> Peeled {
     let mut work = PeelWork::new(matrix, free);
     loop {
@@ -42,7 +43,7 @@ struct PeelWork<'a> {
     length: Vec<u32>,
     taken: Vec<bool>,
     unknown: Vec<bool>,
-    /// Columns that were singletons when they were added here. The next field lists such rows.
+    /// Columns that were singletons when they were added here. The next field lists rows that were singletons when they were added.
     columns: Vec<u32>,
     rows: Vec<u32>,
     peeled: Vec<u32>,

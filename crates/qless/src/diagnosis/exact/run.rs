@@ -1,4 +1,4 @@
-//! Peels, eliminates modulo each prime, and combines the counts of the parts.
+//! Computes the exact rank: peels equations, eliminates the other ones modulo each of two primes, and combines the ranks of the parts.
 
 use super::eliminate::eliminate;
 use super::field::Field;
@@ -9,7 +9,8 @@ use crate::common::DisjointSets;
 use crate::input::reading::Number;
 use crate::{ConstraintSystem, Csr};
 
-/// Computes the exact rank of [`super::rank()`].
+/// Computes the ranks of `C_f` and `[C_f | b - C_p u_p]` for [`super::rank()`]. `C_f` and `C_p` are the columns of free and prescribed
+/// DOFs.
 pub(super) fn rank(system: &ConstraintSystem, settings: Settings) -> Result<ExactRank, ExactError> {
     let mut free = vec![true; system.dofs()];
     system.prescribed().iter().for_each(|&(dof, _)| free[dof] = false);
@@ -25,10 +26,10 @@ pub(super) fn rank(system: &ConstraintSystem, settings: Settings) -> Result<Exac
     Ok(ExactRank { reading: settings.reading, rank, augmented_rank, primes, part_of, parts })
 }
 
-/// The rank of each part, and the increase of this rank by the column `b - C_p u_p`: 0 or 1.
+/// For each part, its rank modulo one prime, and the increase of this rank by the column `b - C_p u_p`: 0 or 1.
 type ExactCounts = Vec<(usize, usize)>;
 
-/// Combines the counts of two primes. A rank modulo a prime is never too large, so the larger one counts.
+/// Combines the ranks modulo two primes. A rank modulo a prime is never above the exact rank, so the larger one is used.
 fn united(part_of: &[u32], counts: &[ExactCounts; 2]) -> Vec<PartRank> {
     let both = counts[0].iter().zip(&counts[1]);
     let mut parts: Vec<PartRank> = both

@@ -9,9 +9,11 @@ use crate::diagnosis::certificate::CertificateTerm;
 use crate::factor::backend::{Factor, norm};
 use crate::input::scale::ldexp;
 
-/// Terms of a combination below this many times the difference are dropped: they only fit rounding errors.
+/// Terms of a combination are dropped if their size is below this many times the difference between the row and the combination: they only
+/// fit rounding errors.
 const FITTED: f64 = 3.0;
-/// Terms with `|y_i| |row_i|` below this many times `sqrt(distance) |row_k|` are uncertain: they may belong to the combination or not.
+/// A term `y_i row_i` is uncertain if `|y_i| |row_i|` is below this many times `sqrt(distance) |row_k|`: it may belong to the combination
+/// that nearly equals row k, or not.
 const UNTOLD: f64 = 0.3;
 /// The combination without the uncertain terms is used if its distance is at most this many times that of the combination with them.
 const LOSS: f64 = 3.0;
@@ -27,12 +29,13 @@ pub(super) struct NearCombination {
     pub row: usize,
     /// The coefficients `y_i`, by row i.
     terms: BTreeMap<usize, f64>,
-    /// As [`NearDependent::distance`].
+    /// About the smallest relative change of one coefficient that makes the row a combination ([`NearDependent::distance`]).
     pub distance: f64,
 }
 
 impl NearCombination {
-    /// The least-squares fit by the triangular factor R of the kept rows C, without Q: two steps `y <- y + R^-1 R^-T C d` from y = 0.
+    /// Fits the row by the kept rows C in the least-squares sense, with the triangular factor R of C but without Q. It takes two steps
+    /// `y <- y + R^-1 R^-T C d` from y = 0, where `d = row - C^T y`.
     pub fn fit(part: &ScaledEquations, factor: &Factor, columns: &Csr, kept: &[usize], row: usize) -> Self {
         let mut rest = dense(part, row);
         let mut y = vec![0.0; kept.len()];
@@ -69,8 +72,8 @@ impl NearCombination {
         self.distance <= limit && self.digits(part) >= LEAST_DIGITS
     }
 
-    /// For each DOF, the difference d, its largest term and, if only one equation contains the DOF, the coefficient of the DOF relative to
-    /// the largest coefficient of that equation.
+    /// For each DOF, the difference d between the row and its combination, and the largest term of d. If only one equation contains the
+    /// DOF, also its coefficient relative to the largest coefficient of that equation.
     fn rest(&self, part: &ScaledEquations) -> BTreeMap<usize, (f64, f64, Option<f64>)> {
         let mut rest: BTreeMap<usize, (f64, f64, Option<f64>)> = BTreeMap::new();
         let mut add = |row: usize, y: f64| {

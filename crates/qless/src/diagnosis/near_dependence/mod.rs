@@ -20,7 +20,7 @@ use rayon::prelude::*;
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct NearDependence {
-    /// Rank if the equations below are meant as combinations of others; [`Analysis::rank`] is the rank as typed.
+    /// Rank if the nearly dependent equations are meant as combinations of others; [`Analysis::rank`] is the rank as typed.
     pub rank: usize,
     /// The equations that are meant as combinations of others, and so are redundant or conflicting; ascending by row, at least one.
     pub equations: Vec<NearDependent>,
@@ -42,7 +42,8 @@ pub struct NearDependent {
     pub because: Vec<CertificateTerm>,
 }
 
-/// Largest m n of a part that is always factored densely. Sparse QR does not pivot columns by size, so it easily misses near dependence.
+/// Largest size m n (equations times DOFs) of a part that is always factored densely. Sparse QR does not pivot columns by size, so it
+/// easily misses near dependence.
 const SMALL: usize = 1 << 20;
 
 /// Rows with a remainder below this are candidates; rounding two coefficients of 1 to three decimals leaves less.
@@ -137,8 +138,9 @@ impl ScaledEquations {
         Ok(reading.near.iter().map(|c| explain(self, c)).collect())
     }
 
-    /// Moves rows beyond the limit back to the kept ones. The factorization drops a row if the 2-norm of its remainder is small. In a chain
-    /// this norm can be small although the row is not near its combination ([`NearCombination::is_near`]).
+    /// Moves rows back to the kept ones if they are farther from their combinations than `limit`. The factorization drops a row if the
+    /// 2-norm of its remainder is small. In a chain this norm can be small although the row is not near its combination
+    /// ([`NearCombination::is_near`]).
     fn within(
         &self,
         reading: SplitEquations,

@@ -10,7 +10,8 @@ const WEAK: f64 = 3e4;
 /// this. Below this limit, enough of the sixteen digits of a double remain for a tolerance of 1e-10.
 const FAR: f64 = 1e5;
 
-/// A probe above this fraction of its limit is repeated with random numbers that depend on the component alone.
+/// If a result of the probe is above this fraction of its limit, the probe is repeated with random numbers that depend on the component
+/// alone.
 const NEARLY: f64 = 0.1;
 
 /// If the rows of `C_S^-1` (C_S: the columns of the slaves) are no larger than this, they need no closer estimate.
@@ -36,7 +37,7 @@ pub(crate) struct NullspaceProbe {
 }
 
 impl NullspaceProbe {
-    /// Returns true if all numbers are small, so that the result does not depend on the random numbers.
+    /// Returns true if all results of the probe are far below their limits, so that the verdict does not depend on the random numbers.
     pub fn is_harmless(&self) -> bool {
         is_at_most(self.steepest, NEARLY * STEEP) && self.doubtful.is_empty() && is_at_most(self.largest, HARMLESS)
     }

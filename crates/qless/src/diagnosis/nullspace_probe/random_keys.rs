@@ -10,7 +10,7 @@ use crate::presolve::eliminated::Eliminated;
 pub(super) const SEEDS: [u64; 2] = [0x9e37_79b9, 0x85eb_ca6b];
 
 /// Keys from which random numbers are drawn. A key is the place of a row or DOF within its component, so that the numbers do not depend on
-/// other components. If both lists are empty, it is the place in the whole system, which is enough if the result does not depend on the
+/// other components. If both lists are empty, a key is the place in the whole system. That is enough if the result does not depend on the
 /// numbers.
 #[derive(Default)]
 pub(crate) struct RandomKeys {
@@ -74,7 +74,8 @@ pub fn sizes_of_inverse(history: &History) -> Vec<f64> {
     bounds
 }
 
-/// A right-hand side after elimination: the right-hand sides of the steps that were subtracted from its row are subtracted from it.
+/// The right-hand side `own` of a row after elimination: each pivot row that was subtracted from the row subtracts `factor` times the
+/// right-hand side of its step.
 fn after(own: f64, factors: &[(u32, f64)], steps: &[f64]) -> f64 {
     own - factors.iter().map(|&(step, factor)| factor * steps[step as usize]).sum::<f64>()
 }

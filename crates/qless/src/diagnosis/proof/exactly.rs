@@ -1,4 +1,4 @@
-//! Verifies certificates in exact arithmetic, modulo primes whose product exceeds every number that has to be zero.
+//! Verifies certificates in exact arithmetic. A whole number is zero if it is zero modulo primes whose product exceeds its magnitude.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -18,13 +18,13 @@ use crate::input::reading::Number;
 pub(super) struct Found {
     /// True if the equation is a combination of the equations of its certificate.
     pub is_combination: bool,
-    /// True if the factors of the certificate also combine the right-hand sides of its equations to that of the equation.
+    /// True if the right-hand side of the equation is the same combination of the right-hand sides of the certificate's equations.
     pub sides_agree: bool,
 }
 
 /// Bits of a prime above `2^60`.
 const BITS: f64 = 60.0;
-/// Largest number of primes: 64 of them hold numbers of 3,840 bits. From the smallest to the largest double there are 2,098 bits.
+/// Largest number of primes: numbers of up to 3,840 bits can be verified with 64 of them. The largest double is 2^2098 times the smallest.
 const PRIMES: usize = 64;
 /// Largest number of rows of a certificate whose minors are computed. [`PRIMES`] then leave almost 120 bits for each row, and each prime
 /// costs an elimination.
@@ -125,7 +125,7 @@ impl<'a> Explanation<'a> {
             };
             let done = eliminate(field, matrix.into_iter().map(placed).collect(), sides, place.len(), FILL).ok()?;
             found.is_combination &= done.pivots.len() <= terms.len();
-            // Too few pivots modulo a prime prove nothing about the right-hand sides.
+            // If the rank modulo a prime is below the number of terms, a contradicting row proves nothing about the right-hand sides.
             if done.pivots.len() != terms.len() && !done.contradicting.is_empty() {
                 return None;
             }

@@ -19,11 +19,11 @@ use crate::input::scale::{Component, RANGE, exponent, ldexp};
 /// The fraction s of the first attempt: eight roundings. It suffices only for cores whose smallest singular value, in the scaled units,
 /// exceeds about the square root of s.
 const SHIFT: f64 = f64::EPSILON * 4.0;
-/// With fewer equations, their order is not changed.
+/// A core with fewer equations keeps their order; for others a fill-reducing order is computed.
 const FEW: usize = 16;
 /// A computed sum of positive numbers is a bound after multiplication by this factor, which exceeds the effect of its roundings.
 const SLACK: f64 = 1.0 + 1e-6;
-/// Bytes of an entry of the factor L.
+/// Bytes of an entry of the Cholesky factor L.
 const BYTES: usize = 16;
 
 /// Returns false if independence could not be proved, also because of a lack of `memory` (in bytes).
@@ -107,7 +107,7 @@ impl ScaledCore {
         false
     }
 
-    /// Sorts the rows in the column order of a QR factorization of `A^T`.
+    /// Sorts the rows A of the core in the column order of a QR factorization of `A^T`.
     fn reorder(&mut self) {
         if self.rows.len() < FEW {
             return;
@@ -124,7 +124,8 @@ impl ScaledCore {
         }
     }
 
-    /// `L L^T = A A^T - shift diag(A A^T)`, row by row; None if that is not positive definite, or L needs more than `memory`.
+    /// The Cholesky factor L of `A A^T - shift diag(A A^T)`, row by row, where A are the equations of the core. None if this matrix is not
+    /// positive definite, or if L needs more than `memory`.
     fn cholesky(&self, shift: f64, memory: usize) -> Option<GramFactor> {
         let count = self.rows.len();
         let mut factor = GramFactor { diagonal: Vec::with_capacity(count), columns: vec![Vec::new(); count] };
@@ -182,7 +183,7 @@ impl ScaledCore {
 }
 
 impl GramFactor {
-    /// The number of entries in each row of L, and `|L| |L|^T e`, where e is the vector of ones.
+    /// The number of entries in each row of the Cholesky factor L, and `|L| |L|^T e`, where e is the vector of ones.
     fn row_sums(&self) -> (Vec<usize>, Vec<f64>) {
         let sum = |(d, column): (&f64, &Vec<(u32, f64)>)| d + column.iter().map(|(_, l)| l.abs()).sum::<f64>();
         let of_columns: Vec<f64> = self.diagonal.iter().zip(&self.columns).map(sum).collect();

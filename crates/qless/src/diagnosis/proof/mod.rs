@@ -114,7 +114,8 @@ fn is_contradicted(analysis: &Analysis, explanation: &Explanation, dependent: &D
     !(agrees || is_redundant && is_rounded())
 }
 
-/// Whether the right-hand side equals exactly the combination of the certificate. None if it is not proved that the coefficients do.
+/// Returns true if the right-hand side of the equation is exactly the combination of those of its certificate. None unless it is proved
+/// that the coefficients of the equation are exactly this combination.
 fn exact_sides(explanation: &Explanation, row: usize, terms: &[CertificateTerm]) -> Option<bool> {
     let is_exact = |found: &Found| found.is_combination;
     let found = explanation.identity(row, terms).filter(is_exact);
@@ -214,8 +215,8 @@ fn is_enclosed(analysis: &Analysis, dependent: &Dependent, terms: &[CertificateT
 const ROUNDING: f64 = f64::EPSILON * 64.0;
 
 /// Returns true if the combination of a certificate equals its equation to rounding, with the errors of the sums counted. A sum of n terms,
-/// computed with twice the digits, is wrong by at most a unit in its last place plus `(n u)^2` times the sum of the magnitudes of its terms
-/// (Ogita, Rump, Oishi 2005).
+/// computed with twice the digits, is wrong by at most a unit in its last place plus `(n u)^2` times the sum of the magnitudes of its
+/// terms, where u is the rounding unit (Ogita, Rump, Oishi 2005).
 fn is_combination(analysis: &Analysis, row: usize, terms: &[CertificateTerm]) -> bool {
     let n = (terms.len() + 2) as f64 * f64::EPSILON;
     let is_rounding = |&(left, size): &(f64, f64)| {

@@ -1,5 +1,5 @@
 //! Assembles elements directly into the condensed matrix, without K: `K_q += L_e^T K_e L_e`, `f_q += L_e^T (f_e - K_e u_0)`. `K_e` and
-//! `f_e` are the matrix and the forces of element e, and `L_e` holds the rows of L of its DOFs.
+//! `f_e` are the matrix and the forces of element e. `L_e` holds those rows of L in `u = L u_q + u_0` that belong to its DOFs.
 
 use std::ops::Range;
 
@@ -177,7 +177,7 @@ impl CondensedPattern {
         Ok(element)
     }
 
-    /// Returns true if DOF j contributes to one of these lines of K_q.
+    /// Returns true if DOF j of an element contributes to one of these lines (rows or columns) of K_q.
     fn touches(&self, j: usize, lines: &Range<usize>) -> bool {
         self.row_of_l(j).any(|(r, _)| lines.contains(&(r as usize)))
     }
@@ -201,7 +201,7 @@ impl CondensedPattern {
         Ok(())
     }
 
-    /// `K_q(q, :) += weight row L`, where `row` is a row of the matrix of an element.
+    /// `K_q(q, :) += weight row L`, where `row` is a row of the matrix of an element, and L holds T and the identity.
     fn add_row(
         &self,
         q: usize,

@@ -1,8 +1,9 @@
-//! Patterns of K_q and of `W = K_S L` (K_S: the lines of the slaves in K), compressed by rows or columns like K. Work space for values.
+//! Patterns of K_q and of `W = K_S L`, compressed by rows or columns like K, and work arrays. K_S holds the lines (rows or columns) of the
+//! slaves in K, and L holds T and the identity.
 
 use std::sync::{Mutex, PoisonError};
 
-/// Line i holds `index[k]` for `k` in `starts[i]..starts[i + 1]`.
+/// A compressed pattern: line i (a row or a column) holds `index[k]` for `k` in `starts[i]..starts[i + 1]`.
 #[derive(Clone, Debug)]
 pub(super) struct Lines {
     pub starts: Vec<u32>,
@@ -16,7 +17,7 @@ impl Default for Lines {
 }
 
 impl Lines {
-    /// Ends a line; false if 32 bits cannot count the entries.
+    /// Ends the current line (row or column); returns false if 32 bits cannot count the entries.
     #[must_use]
     pub fn close(&mut self) -> bool {
         self.starts.push(self.index.len() as u32);
@@ -34,9 +35,9 @@ impl Lines {
     }
 }
 
-/// Collects the indices of a line, each once.
+/// Collects the indices of one line (row or column) of a pattern, each index once.
 pub(super) struct Union {
-    /// The last line in which each index occurred.
+    /// For each index, the last line (row or column) that contained it.
     seen: Vec<u32>,
     line: u32,
     found: Vec<u32>,
@@ -62,7 +63,7 @@ impl Union {
     }
 }
 
-/// Reusable work arrays; there are as many as were in use at the same time.
+/// Work arrays that are used again and again. There are as many as were ever in use at the same time.
 #[derive(Debug, Default)]
 pub(super) struct WorkArrays(Mutex<Vec<Vec<f64>>>);
 

@@ -43,18 +43,18 @@ pub struct CondensedPattern {
     prescribed: PrescribedDofs,
     storage: Storage,
     by_columns: bool,
-    /// The stored half in terms of lines: line q of K_q contains index r if `half` holds `(q, r)`. It is `storage` if lines are rows, and
-    /// its transpose if lines are columns.
+    /// The stored half by lines (rows or columns): line q of K_q contains index r if `half` holds `(q, r)`. It is `storage` if lines are
+    /// rows, and its transpose if lines are columns.
     half: Storage,
-    /// L: a row for each slave, over the unknowns of K_q.
+    /// The matrix L of `u = L u_q + u_0`: a row for each eliminated slave, over the unknowns of K_q.
     l: Csr,
-    /// `L^T`: for each unknown the slaves whose rows contain it.
+    /// For each unknown the slaves whose rows of L contain it, that is, `L^T`.
     slaves_of: Csr,
     /// DOF of each unknown, ascending.
     dofs: Vec<usize>,
     /// For each DOF, the number of its unknown; [`NONE`] for eliminated DOFs.
     number: Vec<u32>,
-    /// Row of `l` of each DOF; [`NONE`] for DOFs that are not eliminated slaves.
+    /// For each DOF, its row in the matrix `l`; [`NONE`] for DOFs that are not eliminated slaves.
     slave: Vec<u32>,
     lines: Lines,
     plan: CondensePlan,
@@ -151,12 +151,13 @@ impl CondensedPattern {
         self.lines.index.len()
     }
 
-    /// Start of each line of K_q in [`CondensedPattern::index`]; one more than there are unknowns.
+    /// Start of each line (row or column) of K_q in [`CondensedPattern::index`], and the end of the last one: one number more than
+    /// unknowns.
     pub fn starts(&self) -> &[u32] {
         &self.lines.starts
     }
 
-    /// Indices of the lines of K_q, ascending within each line.
+    /// For each stored entry of K_q, its column if lines are rows, else its row; ascending within each line.
     pub fn index(&self) -> &[u32] {
         &self.lines.index
     }
@@ -236,12 +237,13 @@ impl CondensedPattern {
         Ok((sums.into_iter().collect(), rhs))
     }
 
-    /// Returns true if lines are columns, as in K.
+    /// Returns true if K_q is compressed by columns, as K is.
     pub fn is_by_columns(&self) -> bool {
         self.by_columns
     }
 
-    /// The row of L of a DOF: a single 1 for an unknown, the row of `l` for an eliminated slave, empty for an eliminated prescribed DOF.
+    /// The row of a DOF in the matrix L of `u = L u_q + u_0`: a single 1 for an unknown, the row of `l` for an eliminated slave, empty for
+    /// an eliminated prescribed DOF.
     #[inline]
     fn row_of_l(&self, dof: usize) -> impl Iterator<Item = (u32, f64)> + '_ {
         let (unknowns, values): (&[u32], &[f64]) = match (&self.number[dof], self.slave[dof]) {

@@ -1,4 +1,4 @@
-//! The plan of a condensation: for each line of K_q, the entries of K that contribute. Computed once per pattern.
+//! The plan of a condensation: for each line (row or column) of K_q, the entries of K that contribute. It is computed once per pattern.
 
 use super::lines::{Lines, Union};
 use super::{CondensedPattern, NONE};
@@ -11,27 +11,27 @@ use crate::elimination::view::{Index, Storage, View};
 pub(super) struct CondensePlan {
     /// Number of stored entries of K.
     pub entries: usize,
-    /// For each unknown, the source of its line of K_q.
+    /// For each unknown, the source of its line (row or column) of K_q.
     pub source: Vec<LineSource>,
-    /// The entries of K in the lines that are not copied.
+    /// The entries of K in the lines (rows or columns) that are not copied.
     pub mixed: Entries,
-    /// The entries of K in the lines of the slaves.
+    /// The entries of K in the lines (rows or columns) of the slaves.
     pub of_slaves: Entries,
-    /// Each eliminated prescribed DOF with the entries of its line, if `K u_0` is summed by columns.
+    /// Each eliminated prescribed DOF with the entries of its line (row or column) of K, if `K u_0` is summed by columns.
     pub of_prescribed: Vec<(u32, Entries)>,
     /// True if K is stored by columns with all entries, so that it need not be symmetric.
     pub by_columns: bool,
-    /// Pattern of `W = K_S L`, where K_S holds the lines of the slaves in K.
+    /// Pattern of `W = K_S L`. K_S holds the lines (rows or columns) of the slaves in K, and L holds T and the identity.
     pub w: Lines,
 }
 
-/// The source of a line of K_q.
+/// The source of a line (row or column) of K_q.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum LineSource {
     /// A copy of consecutive entries of K, starting at this one.
     Copied(u32),
-    /// A sum: this line of [`CondensePlan::mixed`] times L, plus the lines of W ([`CondensePlan::w`]) of the slaves that depend on the
-    /// unknown.
+    /// A sum: this line (row or column) of [`CondensePlan::mixed`] times L, which holds T and the identity, plus the lines of W
+    /// ([`CondensePlan::w`]) of the slaves that depend on the unknown.
     Mixed(u32),
 }
 
@@ -121,19 +121,19 @@ impl CondensedPattern {
         Ok(())
     }
 
-    /// Adds the unknowns in row j of L to `union`, except those for which `stored` is false.
+    /// Adds the unknowns in row j of L, which expresses DOF j, to `union`, except those for which `stored` is false.
     fn reached(&self, j: u32, union: &mut Union, stored: impl Fn(u32) -> bool) {
         self.row_of_l(j as usize).map(|(r, _)| r).filter(|&r| stored(r)).for_each(|r| union.add(r));
     }
 
-    /// Returns true if line q of K_q contains index r.
+    /// Returns true if entry r of line q (a row or a column) is in the half of K_q that is stored.
     #[inline]
     pub(super) fn is_stored(&self, q: usize, r: u32) -> bool {
         self.half.holds(q, r as usize)
     }
 
-    /// The entries in the half that a symmetric K does not store, if their row or column is not an unknown. For each line: the index of the
-    /// stored mirror image of an entry, and the index of the entry in the line.
+    /// The entries of a symmetric K in the half that is not stored, if their row or column is not an unknown. For each line (row or
+    /// column): the index of the stored mirror image of an entry, and the index of the entry in the line.
     fn mirrored<P: Index, I: Index>(&self, k: &View<P, I>) -> Entries {
         let n = self.number.len();
         let mut found = Vec::new();

@@ -1,5 +1,5 @@
-//! Computes the values `K_q(q, :) = K(q, :) L + sum over slaves a of L_aq W(a, :)`, each line by one thread. Here `W = K_S L`, and K_S
-//! holds the lines of the slaves in K.
+//! Computes the values `K_q(q, :) = K(q, :) L + sum over slaves a of L_aq W(a, :)`, each line (row or column) by one thread. L holds T and
+//! the identity, `W = K_S L`, and K_S holds the lines of the slaves in K.
 
 use std::ops::Range;
 
@@ -16,7 +16,8 @@ use crate::elimination::apply::{fill, first_not_finite};
 const ENTRIES_PER_THREAD: usize = 1 << 15;
 
 impl CondensedPattern {
-    /// `K_q = L^T K L` and `f_q = L^T (f - K u_0)` for values of K in the order of its pattern and forces on all DOFs.
+    /// Computes `K_q = L^T K L` and `f_q = L^T (f - K u_0)`, where `u = L u_q + u_0`, from values of K in the order of its pattern and
+    /// forces f on all DOFs.
     ///
     /// # Errors
     /// [`ArgumentError`] for a wrong length, a number that is not finite, or an elimination that did not make this pattern.
@@ -32,7 +33,7 @@ impl CondensedPattern {
         self.load_into(elimination, k, f, f_q)
     }
 
-    /// `L^T K L` alone: for mass, damping and other matrices with the pattern of K.
+    /// Computes `L^T K L` alone, where L holds T and the identity: for mass, damping and other matrices with the pattern of K.
     ///
     /// # Errors
     /// As [`CondensedPattern::condense_into`].
@@ -58,7 +59,7 @@ impl CondensedPattern {
         }
     }
 
-    /// Computes a range of lines of K_q; false if a value is not finite.
+    /// Computes a range of lines (rows or columns) of K_q; false if a value is not finite.
     fn fill(&self, range: Range<usize>, out: &mut [f64], k: &[f64], w: &[f64]) -> bool {
         let mixed = |source: &LineSource| matches!(source, LineSource::Mixed(_));
         let sums = if self.plan.source[range.clone()].iter().any(mixed) { self.unknowns() } else { 0 };
@@ -88,7 +89,8 @@ impl CondensedPattern {
         finite
     }
 
-    /// Adds a line of K, given by its entries, times L to `sums`, at the indices for which `stored` is true.
+    /// Adds a line (row or column) of K, given by its entries, times L to `sums`, at the indices for which `stored` is true. L holds T and
+    /// the identity.
     fn add_line(&self, entries: &[(u32, u32)], k: &[f64], sums: &mut [f64], stored: impl Fn(u32) -> bool) {
         for &(e, j) in entries {
             let row = self.row_of_l(j as usize).filter(|&(r, _)| stored(r));
@@ -96,7 +98,7 @@ impl CondensedPattern {
         }
     }
 
-    /// Computes `W = K_S L`, where K_S holds the lines of the slaves in K.
+    /// Computes `W = K_S L`. K_S holds the lines (rows or columns) of the slaves in K, and L holds T and the identity.
     fn of_slaves(&self, k: &[f64], values: &mut [f64]) {
         let w = &self.plan.w;
         let lines = |range: Range<usize>, mut out: &mut [f64], sums: &mut [f64]| {
@@ -127,7 +129,7 @@ fn each(starts: &[u32], values: &mut [f64], work: &(impl Fn(Range<usize>, &mut [
     }
 }
 
-/// Splits the lines into at most `most` ranges with about the same number of entries, each with its values.
+/// Splits the lines (rows or columns) into at most `most` ranges with about the same number of entries, each with its values.
 pub(super) fn line_ranges<'a>(
     starts: &[u32],
     mut values: &'a mut [f64],
@@ -151,7 +153,7 @@ pub(super) fn line_ranges<'a>(
 const SLAVES_PER_THREAD: usize = 1 << 9;
 
 impl CondensedPattern {
-    /// `f_q = L^T (f - K u_0)` alone, for other forces or after a [`crate::Elimination::update`].
+    /// Computes `f_q = L^T (f - K u_0)` alone, where `u = L u_q + u_0`: for other forces, or after a [`crate::Elimination::update`].
     ///
     /// # Errors
     /// As [`CondensedPattern::condense_into`].

@@ -119,7 +119,7 @@ fn check_dependent_columns(factor: &Factor, columns: &Csr, name: &str) {
     }
 }
 
-/// Checks `A_1 R1^-1 (W b) = b` without a residual, for b in the range of A. A_1 holds the independent columns.
+/// Checks that `A_1 R1^-1 (W b)` equals b to rounding, for b in the range of A. A_1 holds the independent columns.
 fn check_solution(factor: &Factor, columns: &Csr, b: &[f64], name: &str) {
     let z = factor.solved(&factor.rhs[..factor.rank]);
     let mut rest = b.to_vec();

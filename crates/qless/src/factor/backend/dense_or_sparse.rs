@@ -26,7 +26,7 @@ use crate::Csr;
 pub struct DenseOrSparse {
     /// Bytes that a factorization may allocate.
     pub memory: usize,
-    /// Largest m n of a block that is always dense.
+    /// Largest size m n (rows times columns) of a block that is always dense.
     pub small: usize,
 }
 
@@ -36,8 +36,8 @@ impl DenseOrSparse {
         Self { memory, small: SMALL }
     }
 
-    /// Refuses a dense m x (n + k) block before it is allocated if three arrays of this size exceed the limit: the block, R, and the
-    /// remainder of a stage.
+    /// Refuses a dense m x n block with k right-hand sides before anything is allocated. Three m x (n + k) arrays must fit the limit: the
+    /// block, R, and the remainder of a stage.
     fn allow_dense(self, rows: usize, cols: usize, rhs: usize) -> Result<(), BackendError> {
         let needed = rows.saturating_mul(cols.saturating_add(rhs)).saturating_mul(3 * size_of::<f64>());
         check_limit(Faer.name(), (rows, cols), needed, self.memory)
@@ -104,8 +104,8 @@ mod tests {
         assert_eq!(Ok(factor), Faer.factor(&columns, &[], 1e-10));
     }
 
-    /// For all pairs (k, l) of an assignment of `size`: `sum_j y_ijkl = x_kl` for i other than k, `sum_i y_ijkl = x_kl` for j
-    /// other than l, with `y_ijkl = y_klij` (Adams and Johnson's linearization); n columns.
+    /// The equations of an assignment problem of `size`, for all pairs (k, l): `sum_j y_ijkl = x_kl` for i other than k,
+    /// `sum_i y_ijkl = x_kl` for j other than l, with `y_ijkl = y_klij` (Adams and Johnson's linearization).
     fn assignment(size: usize) -> Csr {
         let place = |i: usize, j: usize| i * size + j;
         let pair = |a: usize, b: usize| size * size + a.max(b) * (a.max(b) + 1) / 2 + a.min(b);

@@ -1,4 +1,4 @@
-//! Triangular solves with `[R1 R2]`.
+//! Triangular solves with the factor `[R1 R2]` of the independent and the dependent columns of a block.
 
 use rayon::prelude::*;
 
@@ -8,7 +8,7 @@ use crate::common::argument::long;
 use crate::{ArgumentError, Csr};
 
 impl Factor {
-    /// The product `R1^-1 z`.
+    /// The product `R1^-1 z`, where R1 is the triangular factor of the independent columns.
     ///
     /// # Errors
     /// [`ArgumentError::WrongLength`] unless z has length r and R has r rows and at least r columns.
@@ -18,7 +18,7 @@ impl Factor {
         Ok(self.solved(z))
     }
 
-    /// `R1^-1 R2`: the r coefficients of each of the n - r dependent columns over the independent ones.
+    /// The coefficients `R1^-1 R2` of the n - r dependent columns over the r independent ones, from the factor `R = [R1 R2]`.
     ///
     /// # Errors
     /// [`ArgumentError::WrongLength`] unless R has r rows and at least r columns.
@@ -33,14 +33,14 @@ impl Factor {
         long("the list of columns of R1", self.r.cols().min(self.rank), self.rank)
     }
 
-    /// The product `R1^-1 z` for z of length r; lengths are not checked.
+    /// The product `R1^-1 z` with the triangular factor R1, for z of length r; lengths are not checked.
     pub(crate) fn solved(&self, z: &[f64]) -> Vec<f64> {
         let mut x: Slab<1> = z.iter().map(|&z| [z]).collect();
         self.solve_slab(&mut x);
         x.into_flattened()
     }
 
-    /// The product `R1^-T z` for z of length r; lengths are not checked.
+    /// The product `R1^-T z` with the triangular factor R1, for z of length r; lengths are not checked.
     pub(crate) fn solve_transposed(&self, z: &[f64]) -> Vec<f64> {
         let mut x: Slab<1> = z.iter().map(|&z| [z]).collect();
         self.solve_slab_transposed(&mut x);
@@ -52,8 +52,8 @@ impl Factor {
         self.each_coefficients(|_, some| some).into_iter().flatten().collect()
     }
 
-    /// Splits the dependent columns into slabs of up to [`WIDTH`] and calls `job` for each slab, in parallel, with the number of its first
-    /// column and the vectors `R1^-1 R2_k` of its columns.
+    /// Splits the dependent columns into slabs of up to [`WIDTH`] columns. Calls `job` for each slab, in parallel, with the number of its
+    /// first column and the vectors `R1^-1 R2_k` of its columns k, from the factor `[R1 R2]`.
     pub(crate) fn each_coefficients<T: Send>(&self, job: impl Fn(usize, Vec<Vec<f64>>) -> T + Sync) -> Vec<T> {
         let mut behind = Csr::empty(self.r.cols - self.rank);
         let entries = |i: usize| self.r.row(i).skip_while(|&(j, _)| j < self.rank).map(|(j, v)| (j - self.rank, v));
@@ -72,8 +72,8 @@ impl Factor {
         first.into_par_iter().map(slab).collect()
     }
 
-    /// An upper estimate of the smallest singular value of R1 and its right singular vector, by five steps of inverse iteration with
-    /// `R1^T R1`. Each step takes two triangular solves. Returns 1 and an empty vector if the rank is 0.
+    /// An upper estimate of the smallest singular value of the triangular factor R1, and its right singular vector, by five steps of
+    /// inverse iteration with `R1^T R1`. Each step takes two triangular solves. Returns 1 and an empty vector if the rank is 0.
     pub(crate) fn smallest_singular_value(&self) -> (f64, Vec<f64>) {
         if self.rank == 0 {
             return (1.0, Vec::new());

@@ -60,8 +60,8 @@ impl Backend for Faer {
 /// columns, and below about 1e-8 of the first norm the updated values are rounding.
 const GRADE: f64 = 1e-6;
 
-/// Factors in place: A becomes R above its diagonal, and B becomes `Q^T B`. Returns P and the rank. Each stage computes the norms of the
-/// remaining columns afresh. If no pivot is small, one stage is enough.
+/// Factors `A P = Q R` in place: A becomes R above its diagonal, and the right-hand sides B become `Q^T B`. Returns P and the rank. Each
+/// stage computes the norms of the remaining columns afresh. If no pivot is small, one stage is enough.
 fn factor_in_place(a: &mut Mat<f64>, b: &mut Mat<f64>, tolerance: f64) -> (Vec<usize>, usize) {
     let (n, steps) = (a.ncols(), a.nrows().min(a.ncols()));
     let (mut order, mut rank) = stage(a, b, tolerance);
@@ -92,9 +92,9 @@ fn largest_left(r: &Mat<f64>, rank: usize) -> f64 {
     (rank..r.ncols()).map(norm).fold(0.0, f64::max)
 }
 
-/// QR with column pivoting by faer; returns P and the number of pivots that are large enough to be reliable. It runs on one thread, so that
-/// the result is the same to the last bit for every number of threads. Only reflections of nonzero pivots are applied, because the others
-/// are undefined.
+/// QR with column pivoting by faer; returns the column order P and the number of pivots that are large enough to be reliable. It runs on
+/// one thread, so that the result is the same to the last bit for every number of threads. Only reflections of nonzero pivots are applied,
+/// because the others are undefined.
 fn stage(a: &mut Mat<f64>, b: &mut Mat<f64>, tolerance: f64) -> (Vec<usize>, usize) {
     let (m, n, steps) = (a.nrows(), a.ncols(), a.nrows().min(a.ncols()));
     let block = recommended_block_size::<f64>(m, n);
@@ -107,7 +107,7 @@ fn stage(a: &mut Mat<f64>, b: &mut Mat<f64>, tolerance: f64) -> (Vec<usize>, usi
     qr_in_place(a.as_mut(), coefficients.as_mut(), &mut order, &mut inverse, Par::Seq, stack, params);
     let limit = tolerance.max(GRADE * a[(0, 0)].abs());
     let sure = (0..steps).take_while(|&i| a[(i, i)].abs() > limit).count();
-    // The remaining rows of B are transformed only if another stage follows.
+    // The remaining rows of the right-hand sides B are transformed only if another stage follows.
     let reflections = if sure < steps && largest_left(a, sure) > tolerance {
         (0..steps).take_while(|&i| a[(i, i)] != 0.0).count()
     } else {

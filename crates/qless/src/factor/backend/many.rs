@@ -1,4 +1,5 @@
-//! Computes `R1^-1 Z` and `R1^-T Z` for several vectors at once, so that R is read from memory once for all vectors.
+//! Computes `R1^-1 Z` and `R1^-T Z` for several vectors Z at once, so that the triangular factor R1 is read from memory once for all
+//! vectors.
 //!
 //! Rows of one front have the same columns to the right of their triangle. [`ROWS`] such rows are processed together and share the reads of
 //! columns and of Z.
@@ -14,7 +15,7 @@ use super::Factor;
 /// Number of vectors in a slab.
 pub(crate) const WIDTH: usize = 16;
 
-/// Numbers of rows of R and of vectors that are processed together. With AVX2 they fill half of the SIMD registers.
+/// Number of rows of R1, and number of vectors, that are processed together. With AVX2 they fill half of the SIMD registers.
 const ROWS: usize = 4;
 const LANES: usize = 8;
 
@@ -22,17 +23,17 @@ const LANES: usize = 8;
 pub(crate) type Slab<const W: usize = WIDTH> = Vec<[f64; W]>;
 
 impl Factor {
-    /// Solves with R1 in place: `Z <- R1^-1 Z`.
+    /// Solves with the triangular factor R1 in place: `Z <- R1^-1 Z`.
     pub(crate) fn solve_slab<const W: usize>(&self, z: &mut Slab<W>) {
         Arch::new().dispatch(Backward(self, z));
     }
 
-    /// Solves with the transposed R1 in place: `Z <- R1^-T Z`.
+    /// Solves with the transposed triangular factor R1 in place: `Z <- R1^-T Z`.
     pub(crate) fn solve_slab_transposed<const W: usize>(&self, z: &mut Slab<W>) {
         Arch::new().dispatch(Forward(self, z));
     }
 
-    /// The product `R1 Z`.
+    /// The product `R1 Z` of the triangular factor R1 and the vectors Z.
     pub(crate) fn times_slab(&self, z: &Slab) -> Slab {
         Arch::new().dispatch(Product(self, z))
     }
@@ -76,7 +77,8 @@ impl Factor {
         (first..first + ROWS - 1).all(is_next)
     }
 
-    /// A step of `Z <- R1^-1 Z` for H rows of a run ([`Factor::is_run`]), and for L vectors from `lane` on.
+    /// A step of the solution `Z <- R1^-1 Z` with the triangular factor R1, for H rows of a run ([`Factor::is_run`]), and for L vectors
+    /// from `lane` on.
     #[inline(always)]
     fn rows_backward<const H: usize, const W: usize, const L: usize>(
         &self,
@@ -102,7 +104,8 @@ impl Factor {
         (0..H).for_each(|r| z[first + r][lane..lane + L].copy_from_slice(&own[r]));
     }
 
-    /// A step of `Z <- R1^-T Z` for H rows of a run ([`Factor::is_run`]), and for L vectors from `lane` on.
+    /// A step of the solution `Z <- R1^-T Z` with the triangular factor R1, for H rows of a run ([`Factor::is_run`]), and for L vectors
+    /// from `lane` on.
     #[inline(always)]
     fn rows_forward<const H: usize, const W: usize, const L: usize>(&self, first: usize, lane: usize, z: &mut Slab<W>) {
         let (corner, values, places) = self.run::<H>(first);
@@ -124,8 +127,8 @@ impl Factor {
         }
     }
 
-    /// For H rows of a run: the values in their triangle, by row; the values to the right of the triangle, by row; and the columns of the
-    /// latter.
+    /// For H rows of a run: the values in their triangle, by row; the values to the right of the triangle, by row; and the columns of these
+    /// values to the right.
     #[inline(always)]
     fn run<const H: usize>(&self, first: usize) -> ([&[f64]; H], [&[f64]; H], &[u32]) {
         let places = &self.row_of_r1(first + H - 1).0[1..];
@@ -133,7 +136,7 @@ impl Factor {
         (std::array::from_fn(|r| part(r).0), std::array::from_fn(|r| &part(r).1[..places.len()]), places)
     }
 
-    /// Row i of R1: its columns, of which the diagonal is the first, and its values.
+    /// Row i of the triangular factor R1: its columns, of which the diagonal is the first, and its values.
     #[inline(always)]
     fn row_of_r1(&self, i: usize) -> (&[u32], &[f64]) {
         let range = self.r.start[i]..self.r.start[i + 1];
@@ -144,7 +147,7 @@ impl Factor {
     }
 }
 
-// These are structures because a closure would not be inlined into the function that enables wider registers.
+// The triangular solves are structures because a closure would not be inlined into the function that enables wider registers.
 struct Backward<'a, const W: usize>(&'a Factor, &'a mut Slab<W>);
 struct Forward<'a, const W: usize>(&'a Factor, &'a mut Slab<W>);
 struct Product<'a>(&'a Factor, &'a Slab);

@@ -19,7 +19,8 @@ pub mod sparse;
 #[cfg(feature = "spqr")]
 pub mod spqr;
 
-/// Blocks with m n up to this are factored densely if there is a choice: column pivoting finds the rank more reliably and is fast there.
+/// Blocks of at most this size m n (rows times columns) are factored densely if there is a choice: column pivoting finds the rank more
+/// reliably and is fast there.
 pub(crate) const SMALL: usize = 1 << 14;
 
 /// Refuses an m x n block that needs more bytes than the limit.
@@ -32,7 +33,7 @@ fn check_limit(
     if needed > limit { Err(BackendError::OverLimit { backend, rows, cols, needed, limit }) } else { Ok(()) }
 }
 
-/// Refuses numbers that are not finite, a B that is not m x k, and a tolerance below zero.
+/// Refuses numbers that are not finite, right-hand sides that are not m x k, and a tolerance below zero.
 fn check_block(columns: &Csr, rhs: &[f64], tolerance: f64) -> Result<(), ArgumentError> {
     let (m, found) = (columns.cols, rhs.len());
     if found.checked_rem(m).unwrap_or(found) != 0 {
@@ -51,7 +52,7 @@ pub trait Backend: Send + Sync {
     /// Name and version of the library that computes the factorization, for the report.
     fn version(&self) -> String;
 
-    /// Returns true if W is orthogonal; R then has the singular values of A.
+    /// Returns true if W in `W A P = [R1 R2; 0 0]` is orthogonal; `[R1 R2]` then has the singular values of the block A.
     fn is_orthogonal(&self) -> bool {
         true
     }
@@ -61,7 +62,7 @@ pub trait Backend: Send + Sync {
         false
     }
 
-    /// Factors A and transforms B. Row j of `columns` is column j of A.
+    /// Factors the block A and transforms its right-hand sides B. Row j of `columns` is column j of A.
     ///
     /// `rhs` is B, m x k by columns (its length is a multiple of m). A column of A is dependent if the 2-norm of its remainder is at
     /// most `tolerance`, an absolute value.
@@ -71,18 +72,18 @@ pub trait Backend: Send + Sync {
     fn factor(&self, columns: &Csr, rhs: &[f64], tolerance: f64) -> Result<Factor, BackendError>;
 }
 
-/// `W A P = [R1 R2; 0 0]` and `W B`, with R1 upper triangular and nonsingular.
+/// The factors `W A P = [R1 R2; 0 0]` of a block A, and its transformed right-hand sides `W B`. R1 is upper triangular and nonsingular.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Factor {
     /// r, the number of independent columns; R1 is r x r.
     pub rank: usize,
-    /// P: `order[k]` is the column of A at position k, independent ones first; length n.
+    /// The column order P: `order[k]` is the column of A at position k, independent ones first; length n.
     pub order: Vec<usize>,
-    /// `[R1 R2]`, r x n in the order of `order`; row i has no entry left of column i.
+    /// The factor `[R1 R2]` of the independent and dependent columns, r x n in the order of `order`; row i has no entry left of column i.
     pub r: Csr,
-    /// The first r entries of each transformed right-hand side, W B; r x k, by columns.
+    /// The first r rows of the transformed right-hand sides `W B`; r x k, by columns.
     pub rhs: Vec<f64>,
-    /// For each of the k right-hand sides, the 2-norm of the remaining rows of W B: the residual.
+    /// For each of the k right-hand sides, its residual: the 2-norm of the remaining entries of its column of `W B`.
     pub rest: Vec<f64>,
     /// Frobenius norm of the entries that were treated as zero to find the rank.
     pub dropped: f64,
@@ -145,7 +146,7 @@ pub enum BackendError {
     Failed {
         /// The name of the backend.
         backend: &'static str,
-        /// The message.
+        /// The message of the library.
         message: String,
     },
 }

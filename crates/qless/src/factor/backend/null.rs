@@ -23,7 +23,8 @@ use super::{Backend, BackendError, Factor};
 use crate::Csr;
 use crate::common::random::randoms;
 
-/// Largest number of steps of inverse iteration. The first is enough if the values below the limit are far smaller than all others.
+/// Largest number of steps of inverse iteration. The first step is enough if the singular values below the limit are far smaller than all
+/// others.
 const STEPS: usize = 2;
 /// Singular values below the limit have converged if they are smaller than all others by this factor.
 const CLEAR: f64 = 1e3;
@@ -34,18 +35,18 @@ const GROWTH: usize = 2;
 /// Largest number of vectors: a matrix with more small singular values is not nearly of full rank.
 const MOST: usize = 512;
 
-/// Columns of R1 that are nearly combinations of others.
+/// Columns of the triangular factor R1 that are nearly combinations of others.
 pub(crate) struct Weak {
-    /// Positions of the weak columns in R1.
+    /// Positions of the weak columns in the triangular factor R1.
     pub columns: Vec<usize>,
-    /// An orthonormal basis of the near null space of R1, r x k for k weak columns.
+    /// An orthonormal basis of the near null space of the triangular factor R1 (r x r); r x k for k weak columns.
     pub null: Mat<f64>,
 }
 
 impl Factor {
-    /// Finds one column for each singular value of R1 that is at most `limit`; without these columns R1 has no such singular values. They
-    /// are the columns in which the singular vectors are most independent. `expected` is a guess of the number of values. None if there are
-    /// [`MOST`] values or more, or if the iteration fails.
+    /// Finds one weak column of R1 for each singular value that is at most `limit`; without these columns R1 has no such singular values.
+    /// The weak columns are those in which the singular vectors are most independent. `expected` is a guess of their number. None if there
+    /// are [`MOST`] values or more, or if the iteration fails.
     pub(crate) fn weak_columns(&self, limit: f64, expected: usize) -> Result<Option<Weak>, BackendError> {
         let Some(null) = self.near_null(limit, expected) else { return Ok(None) };
         if null.ncols() == 0 {
@@ -58,7 +59,7 @@ impl Factor {
         Ok(Some(Weak { columns: factor.order[..factor.rank].to_vec(), null }))
     }
 
-    /// An orthonormal basis of the near null space of R1, r x k.
+    /// An orthonormal basis of the near null space of the triangular factor R1 (r x r): r x k for k singular values up to `limit`.
     fn near_null(&self, limit: f64, expected: usize) -> Option<Mat<f64>> {
         let mut width = (expected + BLOCK).next_multiple_of(BLOCK).min(MOST).min(self.rank);
         while width > 0 {
@@ -75,7 +76,7 @@ impl Factor {
         Some(Mat::zeros(self.rank, 0))
     }
 
-    /// Ritz vectors and values of R1 after inverse iteration with `width` vectors; the values descend.
+    /// Ritz vectors and values of the triangular factor R1 after inverse iteration with `width` vectors; the values descend.
     fn ritz(&self, width: usize, limit: f64) -> Option<(Mat<f64>, Vec<f64>)> {
         let random: Vec<f64> = randoms(7).take(self.rank * width).map(|x| x - 1.0).collect();
         let mut x = slabs(width, self.rank, |c, i| random[c * self.rank + i]);
@@ -100,7 +101,7 @@ impl Factor {
         None
     }
 
-    /// `X <- R1^-1 R1^-T X`, each vector scaled to a largest entry of 1.
+    /// A step of inverse iteration, `X <- R1^-1 R1^-T X` with the triangular factor R1; each vector is scaled to a largest entry of 1.
     fn inverse_step(&self, x: &mut Slab) {
         self.solve_slab_transposed(x);
         self.solve_slab(x);
@@ -161,7 +162,8 @@ mod tests {
     use super::super::check::Random;
     use super::*;
 
-    /// R1 of full rank in which `sums` columns are sums of two others plus a remainder `left`; a QR without pivoting keeps them.
+    /// A triangular factor R1 of full rank in which `sums` columns are sums of two others plus a remainder `left`. A QR without pivoting
+    /// keeps them.
     fn with_sums(rank: usize, sums: usize, left: f64) -> Factor {
         let mut random = Random(3);
         let mut columns: Vec<Vec<f64>> = Vec::new();

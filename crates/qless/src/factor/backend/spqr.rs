@@ -194,13 +194,13 @@ fn all_finite(values: &[f64]) -> bool {
     values.iter().all(|v| v.is_finite())
 }
 
-/// The factorization with W = I of a block without nonzero entries. The C code does not accept every empty matrix.
+/// The factorization `W A P = [R1 R2; 0 0]` with W = I of a block A without nonzero entries. The C code does not accept every empty matrix.
 fn nothing_to_factor(n: usize, b: TallRhs) -> Result<Factor, TryReserveError> {
     let (order, r) = (collected(n, 0..n)?, Csr::empty(n));
     Ok(Factor { rank: 0, order, r, rhs: Vec::new(), rest: b.rest(0)?, dropped: 0.0 })
 }
 
-/// Returns true if row i starts at column i; R1 is then upper triangular and nonsingular.
+/// Returns true if row i of R starts at column i; then R1, its leading square part, is upper triangular and nonsingular.
 fn is_trapezoidal(r: &Csr) -> bool {
     (0..r.rows()).all(|i| r.row(i).next().is_some_and(|(j, _)| j == i))
 }

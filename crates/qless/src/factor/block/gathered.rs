@@ -18,9 +18,10 @@ pub(crate) struct Block {
     pub exponents: Vec<i32>,
     /// Free DOFs of the block, ascending; the columns of `matrix`.
     pub dofs: Vec<u32>,
-    /// For each DOF, the exponent of its unit in `matrix`: balanced units until the kept rows are known, then 0.
+    /// For each DOF, the exponent of its unit in `matrix`: that of its balanced unit until the kept rows are known, then 0.
     pub units: Vec<i32>,
-    /// For each DOF, the exponent of its balanced unit relative to its unit in `matrix`: 0 until [`Block::restore_units`].
+    /// For each DOF, the exponent of its balanced unit relative to the unit that `matrix` uses. It is 0 until [`Block::restore_units`]
+    /// takes the balanced units out of `matrix`.
     pub balanced: Vec<i32>,
     pub matrix: Csr,
     /// Prescribed DOFs of the block, ascending; the columns of `fixed`.
@@ -54,7 +55,7 @@ impl<'a> FactorContext<'a> {
         Self { backend, tolerance, check, reference: DenseOrSparse::new(memory) }
     }
 
-    /// A backend whose R has the singular values of the block.
+    /// A backend whose triangular factor has the singular values of the block.
     pub fn orthogonal(&self) -> &dyn Backend {
         if self.backend.is_orthogonal() { self.backend } else { &self.reference }
     }

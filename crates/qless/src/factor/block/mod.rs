@@ -24,7 +24,7 @@ pub(crate) use twins::diagnose_all;
 /// The diagnosis of a matrix; rows and DOFs are named by their places in it.
 struct Found {
     rows: Rows,
-    /// Only the random vectors of the null space are set; the two solutions are empty.
+    /// Only the two random vectors of the null space are set; the two minimum-norm solutions are empty.
     motions: Vectors,
 }
 
@@ -54,7 +54,7 @@ fn diagnose(block: &mut Block, means: FactorContext) -> Result<Found, BackendErr
         let mut plain = block.clone();
         plain.restore_units();
         let triangle = Triangle::of(&plain, &rows.kept, &[], means)?;
-        // If rows are dependent to the last bit in these units, the triangle lacks them, and its motions violate them.
+        // If rows are dependent to the last bit in the units of the rows, the triangle lacks them, and its motions violate them.
         if triangle.rows.len() == rows.kept.len() {
             let mut other = triangle.motions(&plain);
             other.restore_units(&[], triangle.factor.smallest_singular_value().0);

@@ -23,10 +23,10 @@ const SEEDS: [u64; 2] = [0x51ed_270b, 0x85eb_ca6b];
 
 /// Largest number of corrections of the null-space vectors.
 const CORRECTIONS: usize = 3;
-/// If no weight of a correction exceeds this, the correction is only rounding.
+/// If a correction subtracts no kept row with a coefficient above this, the correction is only rounding.
 const DONE: f64 = 1e-12;
 
-/// Allowed relative error of an estimate, which is reported to a tenth of a digit.
+/// Allowed relative error of a solution from which an estimate is computed. A report shows the estimate to a tenth of a digit.
 const ENOUGH: f64 = 1e-3;
 
 /// Two vectors, stored entry by entry.
@@ -36,7 +36,7 @@ type VectorPair = Slab<2>;
 #[derive(Clone)]
 pub(crate) struct Triangle {
     pub factor: Arc<Factor>,
-    /// Row of the block for each column of R1.
+    /// For each column of the triangular factor R1, the row of the block.
     pub rows: Vec<usize>,
     /// Rows whose certificates the factor can compute: those asked for, then those left out as dependent.
     pub dropped: Vec<usize>,
@@ -84,7 +84,8 @@ impl Triangle {
         &self.factor.rest[SEEDS.len()..]
     }
 
-    /// The certificates `y = R1^-1 Q^T c` of the rows c in [`Triangle::dropped`]; coefficients are in the order of [`Triangle::rows`].
+    /// The certificates `y = R1^-1 Q^T c` of the rows c in [`Triangle::dropped`], with the QR factorization of the kept rows. Coefficients
+    /// are in the order of [`Triangle::rows`].
     pub fn certificates(&self) -> Vec<Vec<f64>> {
         let r = self.factor.rank;
         let asked = self.factor.rhs[SEEDS.len() * r..].chunks(r.max(1));
@@ -109,7 +110,7 @@ impl Triangle {
         Vectors { sample: lane(&x, 0), particular: lane(&x, 1), ..Vectors::default() }
     }
 
-    /// Two random vectors of the null space. If there are as many rows as DOFs, they are set to zero, because only rounding would remain.
+    /// Two random vectors of the null space. If there are as many rows as DOFs, the vectors are zero, because only rounding would remain.
     pub fn motions(&self, block: &Block) -> Vectors {
         let (r, n) = (self.rows.len(), block.matrix.cols);
         if r == n {
@@ -121,7 +122,7 @@ impl Triangle {
         let seeds = seeds(block);
         let mut moves = pair(n, |c, j| seeds[c * n + j]);
         self.subtract_from(block, &weights, &mut moves);
-        // Corrects the rounding errors of large weights.
+        // If kept rows were subtracted with large coefficients, the vectors have rounding errors, which these corrections remove.
         for _ in 0..CORRECTIONS {
             let mut left = self.times(block, &moves);
             self.normal(&mut left);
@@ -143,8 +144,8 @@ impl Triangle {
         x
     }
 
-    /// As [`Triangle::shortest`], to a relative error of 1e-3: corrected only if necessary. A solve without correction has the relative
-    /// error `u |C|^2 / sigma^2`, where u is the rounding unit and sigma the smallest singular value.
+    /// As [`Triangle::shortest`], to a relative error of 1e-3: corrected only if necessary. A solve with the kept rows C and without
+    /// correction has the relative error `u |C|^2 / sigma^2`, where u is the rounding unit and sigma the smallest singular value of C.
     pub fn nearly_shortest<const W: usize>(&self, block: &Block, b: &Slab<W>, sigma: f64) -> Slab<W> {
         let enough = f64::EPSILON * self.size_squared(block) < ENOUGH * sigma * sigma;
         if enough { self.first_shortest(block, b) } else { self.shortest(block, b) }
@@ -161,7 +162,8 @@ impl Triangle {
         rows * columns.into_iter().fold(0.0, f64::max)
     }
 
-    /// The minimum-norm solution `C_k^T R^-1 R^-T b` without a correction; `C_k` holds the kept rows.
+    /// The minimum-norm solution `C_k^T R^-1 R^-T b` of `C_k x = b` without a correction. `C_k` holds the kept rows, and R is the
+    /// triangular factor of `C_k^T`.
     pub fn first_shortest<const W: usize>(&self, block: &Block, b: &Slab<W>) -> Slab<W> {
         let mut x = vec![[0.0; W]; block.matrix.cols];
         let mut step = b.iter().map(|b| b.map(|b| -b)).collect();
@@ -170,14 +172,15 @@ impl Triangle {
         x
     }
 
-    /// `(R^T R)^-1 C_k X`: the combinations of the kept rows `C_k` that are nearest to X, in the order of [`Triangle::rows`].
+    /// The combinations `(R^T R)^-1 C_k X` of the kept rows `C_k` that are nearest to X, in the order of [`Triangle::rows`]. R is the
+    /// triangular factor of `C_k^T`.
     pub fn projected(&self, block: &Block, x: &Slab) -> Slab {
         let mut z = self.times(block, x);
         self.normal(&mut z);
         z
     }
 
-    /// `Z <- (R^T R)^-1 Z`, by two triangular solves.
+    /// `Z <- (R^T R)^-1 Z`, by two solves with the triangular factor R of the kept rows.
     fn normal<const W: usize>(&self, z: &mut Slab<W>) {
         self.factor.solve_slab_transposed(z);
         self.factor.solve_slab(z);

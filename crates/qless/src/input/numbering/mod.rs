@@ -39,7 +39,7 @@ impl Column {
         self.rows ^= row;
     }
 
-    /// Adds the rows of the other half of the equations that contain the same DOF.
+    /// Adds the rows that contain the same DOF in the other half of the equations.
     #[inline]
     fn join(&mut self, other: Self) {
         self.count += other.count;

@@ -20,7 +20,7 @@ const LARGE: usize = 1_000;
 /// Largest number of relaxation passes. More are needed only if units differ between distant parts of the graph.
 const MOST_PASSES: usize = 10;
 
-/// Sweeps of equilibration. Each of the first sweeps halves the deviation in powers of two, and the others level the remainder.
+/// Sweeps of equilibration. Each of the first sweeps halves the exponents by which norms differ from 1, and the others level the remainder.
 const SWEEPS: usize = 30;
 
 /// If the balanced units of all DOFs lie within this power of two, DOFs keep the user's units: a pivot is then above 1e-6 of its row, four
@@ -185,7 +185,7 @@ impl Component {
         Some((q, powers))
     }
 
-    /// Minimizes the sum over one row or DOF after the other, starting from the user's units. Returns q and the coefficients as in
+    /// Balances by relaxation, over one row or DOF after the other, starting from the user's units. Returns q and the coefficients as in
     /// [`Component::balanced`] once no row and no DOF moves by a power of two; None if this takes more than [`MOST_PASSES`].
     fn relaxed(&self) -> Option<(Vec<f64>, Vec<f64>)> {
         let (mut p, mut q) = (vec![0.0; self.rows.len()], vec![0.0; self.dofs.len()]);
@@ -226,7 +226,7 @@ impl Component {
     }
 }
 
-/// The weight `phi'(x) / x` of a coefficient `2^x` in least squares.
+/// The weight `phi'(x) / x` of a coefficient `2^x` in least squares; phi is the penalty for its distance from 1.
 fn weight(power: f64) -> f64 {
     if power > 0.0 { 1.0 } else { 1.0 / (1.0 - power) }
 }

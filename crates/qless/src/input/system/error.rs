@@ -25,7 +25,7 @@ pub enum SystemError {
     /// A row number is not below the number of rows.
     #[error("entry {entry} is in row {row}, but there are {rows} rows; correct the index or the size")]
     RowOutOfRange {
-        /// Position of the entry in the list given.
+        /// The place of the entry with this row number in the list of entries.
         entry: usize,
         /// The row number that was given.
         row: usize,
@@ -37,43 +37,43 @@ pub enum SystemError {
     WrongLength {
         /// The name of the array.
         what: &'static str,
-        /// The length of the array.
+        /// The length that the array has.
         found: usize,
-        /// The length needed.
+        /// The length that the array must have.
         expected: usize,
     },
     /// The columns of a compressed row do not ascend.
     #[error("row {row}: column {column} comes after column {before}; columns must ascend and not repeat within a row")]
     NotAscending {
-        /// The row.
+        /// The row whose columns do not ascend.
         row: usize,
         /// The column that is not above the one before it.
         column: usize,
-        /// The column before it.
+        /// The preceding column of the row, which is not smaller.
         before: usize,
     },
     /// The starts of compressed rows or columns do not ascend from 0 to the number of entries.
     #[error("start {index} is {value}; starts must begin at 0, never decrease and end at the number of entries")]
     BadStarts {
-        /// Index into the starts.
+        /// The index of the wrong start in the list of starts.
         index: usize,
-        /// The start found there.
+        /// The wrong start.
         value: usize,
     },
     /// A DOF is prescribed with two different values.
     #[error("DOF {dof} is prescribed twice, as {first} and as {second}; remove one")]
     PrescribedTwice {
-        /// The DOF.
+        /// The DOF that is prescribed twice.
         dof: usize,
-        /// The value that comes first in the input.
+        /// The prescribed value that comes first in the input.
         first: f64,
-        /// The value that comes later.
+        /// The prescribed value that comes later in the input.
         second: f64,
     },
     /// There are no DOFs.
     #[error("the system is empty: it has {rows} equations and no DOFs")]
     Empty {
-        /// Number of equations.
+        /// Number of equations of the system without DOFs.
         rows: usize,
     },
     /// An index of the caller's matrix exceeds its rows or columns.
@@ -101,7 +101,7 @@ pub enum SystemError {
     TooLarge {
         /// The name of the size.
         what: &'static str,
-        /// The size.
+        /// The size, which is too large.
         found: usize,
     },
 }
@@ -111,19 +111,19 @@ pub enum SystemError {
 pub enum Place {
     /// Coefficient in a row and column.
     Coefficient {
-        /// Equation.
+        /// The equation that contains the coefficient, 0-based.
         row: usize,
-        /// DOF.
+        /// The DOF of the coefficient, 0-based.
         dof: usize,
     },
     /// Right-hand side of a row.
     RightHandSide {
-        /// Equation.
+        /// The equation with this right-hand side, 0-based.
         row: usize,
     },
     /// Prescribed value of a DOF.
     Prescribed {
-        /// DOF.
+        /// The prescribed DOF, 0-based.
         dof: usize,
     },
 }

@@ -50,7 +50,8 @@ impl Csr {
         let (ends, count) = runs(self.rows(), edits.iter().map(|(rows, new)| (rows.clone(), new.rows())));
         shift(&mut self.col, &entries, length);
         shift(&mut self.val, &entries, length);
-        // Row ends move with their rows. Each is then corrected by the distance that the entries of its run moved.
+        // The list holds row ends now, which move with their rows. Each end is then corrected by the distance that the entries of its row
+        // moved.
         self.start.remove(0);
         shift(&mut self.start, &ends, count);
         self.start.insert(0, 0);

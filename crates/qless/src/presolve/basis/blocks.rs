@@ -8,7 +8,7 @@ use crate::Csr;
 use crate::input::scale::ldexp;
 use crate::presolve::eliminated::Mismatch;
 
-/// Kept equations are nearly dependent if a change of one coefficient by less than this makes them dependent, for any tolerance.
+/// Kept equations are nearly dependent if a change of one coefficient by less than this makes them dependent, whatever the tolerance is.
 pub(crate) const NEAR: f64 = 3e-6;
 
 /// Terms of `row = sum y_i row_i` over kept rows of a block. Rows are numbered as in `Eliminated::rows`.
@@ -44,8 +44,8 @@ pub(crate) struct BlockDependent {
     pub units: f64,
     /// What remains of the row after its certificate is subtracted, relative to the size of the row.
     pub dropped: f64,
-    /// The right-hand side of the row (without prescribed terms) minus that of its certificate. While blocks with the same matrix are
-    /// diagnosed together, there is one for each of them.
+    /// The right-hand side of the row (without prescribed terms) minus that of its certificate. Blocks with the same matrix are diagnosed
+    /// together; meanwhile there is one such mismatch for each of these blocks.
     pub mismatches: Vec<Mismatch>,
 }
 
@@ -85,7 +85,7 @@ pub(crate) struct Vectors {
 /// A DOF moves if its entry in a random vector of the null space is above `ZERO_UNITS eps / sigma`, limited to [`ZERO`]; sigma is the
 /// smallest singular value of the kept rows.
 const ZERO_UNITS: f64 = 8.0;
-/// Lower and upper limit of the threshold `ZERO_UNITS eps / sigma`, for any sigma.
+/// Lower and upper limit of the threshold `ZERO_UNITS eps / sigma`, for any smallest singular value sigma.
 const ZERO: [f64; 2] = [1e-13, 1e-8];
 
 impl Vectors {
@@ -110,10 +110,10 @@ impl Vectors {
 /// Distance of the kept rows from dependence, each row scaled to a largest coefficient of 1.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Nearness {
-    /// Estimate of the smallest singular value.
+    /// Estimate of the smallest singular value of the kept rows.
     pub sigma: f64,
-    /// Estimate of the smallest change of one coefficient that makes the kept rows dependent; at least sigma. For a chain it does not
-    /// decrease with the length of the chain.
+    /// Estimate of the smallest change of one coefficient that makes the kept rows dependent; at least their smallest singular value. For a
+    /// chain it does not decrease with the length of the chain.
     pub distance: f64,
 }
 

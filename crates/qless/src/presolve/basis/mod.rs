@@ -32,7 +32,7 @@ pub(crate) struct Basis {
     values: Vec<f64>,
     /// Scaled pivots of the eliminated rows. These rows follow the peeled rows.
     pivots: Vec<f64>,
-    /// [`Step::reach`] of each eliminated row.
+    /// For each eliminated row, [`Step::reach`]: the largest product of factors by which elimination added a user's equation to the row.
     reaches: Vec<f64>,
     /// The blocks; their rows come last.
     pub blocks: Vec<Kept>,
@@ -182,7 +182,7 @@ impl Basis {
         self.pivots[step]
     }
 
-    /// [`Step::reach`] of an eliminated row.
+    /// [`Step::reach`] of an eliminated row: the largest product of factors by which elimination added a user's equation to the row.
     pub fn reach_of_step(&self, step: usize) -> f64 {
         self.reaches[step]
     }

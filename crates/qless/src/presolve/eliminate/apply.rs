@@ -24,7 +24,8 @@ impl LowFillElimination<'_> {
         true
     }
 
-    /// The largest [`Entry::left`] of the free DOFs of row i; the largest coefficient itself if the tolerance is absolute.
+    /// What is left of row i: the largest [`Entry::left`] of its free DOFs, the fraction of a coefficient's largest term that is left. If
+    /// the tolerance is absolute: the largest coefficient of a free DOF.
     fn left(&self, i: u32) -> f64 {
         let entries = self.out.rows[i as usize].entries.iter();
         let free = entries.filter(|entry| self.is_free[entry.dof as usize]);

@@ -147,7 +147,8 @@ impl LowFillElimination<'_> {
         }
     }
 
-    /// Continues with some fill in each large part. The result for a part does not depend on the other parts.
+    /// Continues the elimination with some fill in each part of more than [`LARGE`] rows. Each part is eliminated alone, so its result does
+    /// not depend on the other parts.
     fn fill(&mut self) {
         if self.active <= LARGE {
             return;

@@ -11,7 +11,7 @@ impl LowFillElimination<'_> {
         self.rare_dofs[..levels].iter_mut().enumerate().find_map(|(level, queue)| Some((level, queue.pop_front()?)))
     }
 
-    /// Queues a DOF at the first level >= `least` that allows the number of its rows.
+    /// Queues a DOF at the first level of elimination, from `least` on, that allows a pivot in as many rows as contain the DOF.
     pub(super) fn enqueue(&mut self, j: u32, least: usize) {
         let levels = if self.filling { LEVELS.len() } else { WITHOUT_FILL };
         let count = self.count[j as usize];

@@ -91,7 +91,7 @@ impl<'a> ScaledPart<'a> {
             self.prefer(&mut may, input)?;
         }
         for _ in 0..ROUNDS {
-            // The factor L needs no rows for DOFs that cannot be slaves.
+            // The factor L needs no rows for DOFs that cannot be slaves, so their columns are left out.
             let rows = only(&self.free, &may);
             let order = crate::factor::backend::sparse::order(&rows)?;
             let Some(lu) = independent_lu(&rows, &order, |j| may[j], input.memory)? else { return Ok(None) };

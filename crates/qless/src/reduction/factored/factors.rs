@@ -1,4 +1,4 @@
-//! The factors for other programs, in the user's units.
+//! The factors of a factored part for other programs, in the user's units.
 //!
 //! The scaled equations are `D_r C D_c` with powers of two, and `D_r C_S D_c = U^T L^T`. So `C_S = V^T M^T` with
 //! `M = D_c^-1 L D_c`, which has ones on its diagonal like L, and `V = D_c^-1 U D_r^-1`. Powers of two make M and V exact.
@@ -14,7 +14,7 @@ pub struct Parts {
     pub equations: Vec<usize>,
     /// The factor L of `C_S = U^T L^T`, with its diagonal of ones; C_S are the columns of the slaves.
     pub lower: Csr,
-    /// The factor U of `C_S = U^T L^T`.
+    /// The factor U of `C_S = U^T L^T`; C_S are the columns of the slaves.
     pub upper: Csr,
     /// C_M, the columns of the masters.
     pub of_masters: Csr,

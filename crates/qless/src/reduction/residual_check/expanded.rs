@@ -18,7 +18,7 @@ pub struct Expanded {
     pub with_rhs: bool,
 }
 
-/// A term of `u_s = T u_q + G u_p + g`.
+/// A term of `u_s = T u_q + G u_p + g`: T u_q, G u_p or g.
 #[derive(Clone, Copy)]
 pub enum ReductionTerm {
     Free,

@@ -166,7 +166,8 @@ impl Expanded {
         }
     }
 
-    /// Both `C_i u - b_i` and the sum of the magnitudes of its terms, times `unit`; `sizes` are the sums of magnitudes for each DOF.
+    /// `C_i u - b_i` of equation i and the sum of the magnitudes of its terms, both times `unit`. For each DOF, `sizes` has the sum of the
+    /// magnitudes of its terms.
     #[inline]
     fn sums(&self, local: LocalSystem, i: usize, unit: f64, sizes: &[f64]) -> (f64, f64) {
         let b = self.rhs(local, i) * unit;

@@ -25,10 +25,10 @@ const TRIED: usize = 4;
 /// The order in which entries are tried as pivots: fewest waiting rows in the column first, then the larger entry, then the earlier column.
 type PivotRank = (u32, u64, u32);
 
-/// The augmented block `[A B]` (the paper's Step 1): A by sparse rows, B dense.
+/// The augmented matrix `[A B]` (the paper's Step 1): the block A by sparse rows, and its right-hand sides B as a dense matrix.
 pub(super) struct GaussElimination {
     ledger: Ledger,
-    /// Waiting rows, and pivot rows, which are rows of R; a dropped row is empty.
+    /// Waiting rows, and pivot rows, which are rows of the triangular factor R; a dropped row is empty.
     rows: Vec<Vec<GaussEntry>>,
     columns: WaitingRows,
     queue: Queue,
@@ -52,7 +52,7 @@ impl GaussElimination {
         }
         let rows = rows(columns, &mut ledger)?;
         let mut queue = Queue::new(m, n, &mut ledger)?;
-        // In reverse, so that among rows of the same length the first one comes first.
+        // Among rows of the same length, the queue returns the row that was added last. So rows are added in reverse order.
         (0..m).rev().for_each(|i| queue.set(i as u32, rows[i].len()));
         Ok(Self {
             rows,
@@ -172,7 +172,7 @@ impl GaussElimination {
         Ok(())
     }
 
-    /// The pivot rows as `[R1 R2]`.
+    /// The pivot rows as the triangular factor `[R1 R2]` of the independent and the dependent columns.
     pub fn into_factor(mut self) -> Result<Factor, BackendError> {
         let (n, width) = (self.columns.len(), self.right.width);
         let mut place = self.ledger.filled(usize::MAX, n)?;
@@ -194,7 +194,8 @@ impl GaussElimination {
         Ok(Factor { rank: self.pivots.len(), order, r, rhs, rest, dropped: self.dropped.sqrt() })
     }
 
-    /// The pivot rows as rows of R: column j of A is column `place[j]` of R. Each row is freed after it is copied.
+    /// The pivot rows as rows of the triangular factor R: column j of the block is column `place[j]` of R. Each row is freed after it is
+    /// copied.
     fn rows_of_r(&mut self, place: &[usize]) -> Result<Csr, BackendError> {
         let entries = self.pivots.iter().map(|&(i, _)| self.rows[i as usize].len()).sum();
         let mut r = Csr::empty(place.len());
@@ -227,7 +228,7 @@ fn rows(columns: &Csr, ledger: &mut Ledger) -> Result<Vec<Vec<GaussEntry>>, Back
     Ok(rows)
 }
 
-/// The right-hand sides B by rows, and for each of them the sum of the squares of its entries in dropped rows.
+/// The right-hand sides B by rows, and for each right-hand side the sum of the squares of its entries in dropped rows.
 struct Right {
     width: usize,
     values: Vec<f64>,

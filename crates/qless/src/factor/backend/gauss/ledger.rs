@@ -30,7 +30,7 @@ impl Ledger {
         self.used -= count * size_of::<T>();
     }
 
-    /// Reserves room for `more` values, so that pushing them cannot allocate; a list that grows grows by half at least.
+    /// Reserves room for `more` values, so that pushing them cannot allocate. A list without enough room becomes longer by half at least.
     pub fn reserve<T>(&mut self, list: &mut Vec<T>, more: usize) -> Result<(), BackendError> {
         let before = list.capacity();
         if list.len() + more <= before {

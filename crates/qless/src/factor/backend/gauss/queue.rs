@@ -41,7 +41,7 @@ impl Queue {
         self.head.get(self.least).copied()
     }
 
-    /// Makes the row wait with this length.
+    /// Puts the row at the head of the list of waiting rows with this length.
     pub fn set(&mut self, row: u32, length: usize) {
         if self.length[row as usize] == length as u32 {
             return;

@@ -154,7 +154,8 @@ impl WaitingRows {
         Ok(())
     }
 
-    /// Counts one row less in the column: the row lost its entry or no longer waits. [`WaitingRows::read`] removes it from the list.
+    /// Counts one row less in the column: the row lost its entry or no longer waits. [`WaitingRows::read`] removes such rows from the list
+    /// later.
     pub fn forget(&mut self, col: u32) {
         self.count[col as usize] -= 1;
     }
@@ -203,7 +204,8 @@ mod tests {
         pivot.load(row(&[(0, 0.1), (1, (1.0 - 1e-14) / 3.0), (2, 2.0)]));
         let mut target = row(&[(0, 0.3), (1, 1.0), (3, 1e100)]);
         let cancelled = pivot.subtract_from(&mut target, 3.0, 0, &mut columns, &mut ledger)?;
-        // 0.3 - 3 * 0.1 is -5.6e-17; 1 - (1 - 1e-14) is a number with two digits; column 2 fills in; column 3 is not in the pivot row.
+        // Column 0: 0.3 - 3 * 0.1 is -5.6e-17 and cancels. Column 1: 1 - (1 - 1e-14) leaves a number with two digits. Column 2 fills in.
+        // Column 3 is not in the pivot row.
         assert!(cancelled > 0.0 && cancelled < 1e-32, "{cancelled:e}");
         let mut left: Vec<_> = target.iter().map(|entry| (entry.col, entry.value)).collect();
         left.sort_unstable_by_key(|entry| entry.0);

@@ -41,7 +41,7 @@ impl Call {
         let mut dense = dense_view(b);
         let (b_in, z_out) =
             if b.count == 0 { (null_mut(), null_mut()) } else { (from_mut(&mut dense), &raw mut self.z) };
-        // econ = m keeps every row of Q^T B. The additional rows of R are empty, so this costs nothing.
+        // With econ = m, the number of rows of A, every row of `Q^T B` is kept. The additional rows of R are empty, so this costs nothing.
         let econ = b.rows as i64;
         // SAFETY: the views outlive the call, which only reads them. Outputs are null or owned by `self`. A dense Z is
         // requested exactly if B is not empty. H, HPinv and HTau may be null.
@@ -146,7 +146,8 @@ impl Drop for Call {
     }
 }
 
-/// Rounds to 24 bits. SuiteSparseQR sums this norm task by task, so its last bits depend on the tree; no other result does.
+/// Rounds the norm of the dropped entries to 24 bits. SuiteSparseQR sums this norm task by task, so its last bits depend on the tree; no
+/// other result does.
 fn without_last_bits(norm: f64) -> f64 {
     f64::from_bits((norm.to_bits() + (1 << 28)) & !((1 << 29) - 1))
 }
@@ -167,11 +168,11 @@ fn reserved<T>(length: usize) -> Result<Vec<T>, TryReserveError> {
 /// # Safety
 /// `data` has `length` entries, or `length` is 0.
 unsafe fn slice<'a, T>(data: *const T, length: usize) -> &'a [T] {
-    // SAFETY: the caller's promise. C may use a null pointer for an empty array; Rust may not.
+    // SAFETY: the caller guarantees the length. C may use a null pointer for an empty array; Rust may not.
     if length == 0 { &[] } else { unsafe { std::slice::from_raw_parts(data, length) } }
 }
 
-/// A as a CHOLMOD matrix, m x n in compressed columns. C takes mutable pointers but only reads.
+/// The block A as a CHOLMOD matrix, m x n in compressed columns. C takes mutable pointers but only reads.
 fn sparse_view(columns: &Csr, start: &mut [i64], index: &mut [i64]) -> cholmod_sparse {
     cholmod_sparse {
         nrow: columns.cols,
@@ -191,7 +192,7 @@ fn sparse_view(columns: &Csr, start: &mut [i64], index: &mut [i64]) -> cholmod_s
     }
 }
 
-/// B as a CHOLMOD matrix; C only reads it.
+/// The right-hand sides B as a CHOLMOD matrix; C only reads it.
 fn dense_view(b: TallRhs) -> cholmod_dense {
     cholmod_dense {
         nrow: b.rows,
@@ -205,7 +206,7 @@ fn dense_view(b: TallRhs) -> cholmod_dense {
     }
 }
 
-/// R as C returns it: the start of each column, and the row (not sorted) and value of each entry.
+/// The factor R as C returns it: the start of each column, and the row (not sorted) and value of each entry.
 #[derive(Clone, Copy)]
 struct InColumns<'a> {
     start: &'a [i64],
@@ -213,7 +214,7 @@ struct InColumns<'a> {
     value: &'a [f64],
 }
 
-/// Destination of the entries of R by rows.
+/// Memory to which the entries of the factor R are written by rows.
 #[derive(Clone, Copy)]
 struct Places {
     col: *mut u32,
@@ -224,7 +225,7 @@ struct Places {
 unsafe impl Sync for Places {}
 
 impl InColumns<'_> {
-    /// Converts rows 0..rank to compressed rows without exact zeros, on this number of threads of the caller's pool.
+    /// Converts rows `0..rank` of the factor R to compressed rows without exact zeros, on this number of threads of the caller's pool.
     ///
     /// R is by far the largest result, so it is written only once, and its allocation can fail. Each thread takes a range of columns
     /// and writes its entries of each row after those of the ranges before.
@@ -277,7 +278,7 @@ impl InColumns<'_> {
             for (row, value) in self.entries(j..j + 1) {
                 if value != 0.0 && row < next.len() {
                     let place = next[row];
-                    // SAFETY: the caller's promise.
+                    // SAFETY: the caller guarantees a place for each entry.
                     unsafe {
                         to.col.add(place).write(j as u32);
                         to.val.add(place).write(value);

@@ -1,4 +1,4 @@
-//! The contract of [`super::Backend`] on SuiteSparseQR: identities, faults, threads.
+//! Tests that SuiteSparseQR keeps the contract of [`super::Backend`]: identities, faults, threads.
 
 use super::*;
 

@@ -13,14 +13,14 @@ use crate::presolve::eliminated::Mismatch;
 /// [`ROUNDING`] units in the last place times the condition.
 pub(super) const NOISE: f64 = 1e-11;
 
-/// Bound of the remainder of a dependent row after a QR, in units in the last place times `sqrt(m) + sqrt(n)`.
+/// Bound of the remainder of a dependent row of an m x n block after a QR, in units in the last place times `sqrt(m) + sqrt(n)`.
 pub(super) const ROUNDING: f64 = 8.0;
 
 /// A row whose 2-norm after presolve is below this is small as a whole.
 const SMALL_ROW: f64 = 1e-9;
 
-/// Error of a certificate: this many units in the last place of its largest coefficient for each term, times the condition of the kept
-/// rows.
+/// Error of a certificate, in units in the last place of its largest coefficient: this number times the number of terms times the condition
+/// of the kept rows.
 pub(super) const CERTIFICATE_UNITS: f64 = 2.0;
 
 /// Certificates with at most this many coefficients in total are all computed at once.
@@ -38,8 +38,8 @@ pub(crate) struct Rows {
     pub nearness: Nearness,
     /// The factor of the kept rows.
     pub triangle: Triangle,
-    /// Root mean square of the 2-norms of the dependent rows' remainders; the largest of these norms if the choice of kept rows was
-    /// repaired. 0 if rounding explains the remainders.
+    /// The size of the dependent rows' remainders: the root mean square of their 2-norms, or the largest 2-norm if the choice of kept rows
+    /// was repaired. 0 if rounding explains the remainders.
     pub left: f64,
 }
 
@@ -80,9 +80,10 @@ impl Choice {
         if left > noise_of(block) { left } else { 0.0 }
     }
 
-    /// Computes sigma and the distance from dependence, which is `sigma / (max |y_i| max |v_j|)` with the singular vectors y of the rows
-    /// and v of the DOFs: the smallest change of one coefficient in the direction in which the rows are nearest to dependence. If sigma is
-    /// at least [`NEAR`], the result is sigma instead: a lower bound of the distance.
+    /// Computes the smallest singular value sigma and the distance of the rows from dependence. The distance is
+    /// `sigma / (max |y_i| max |v_j|)` with the singular vectors y of the rows and v of the DOFs: the smallest change of one coefficient in
+    /// the direction in which the rows are nearest to dependence. If sigma is at least [`NEAR`], the distance is set to sigma, a lower
+    /// bound.
     fn measured(block: &Block, triangle: Triangle, means: FactorContext) -> Self {
         let (sigma, y) = if means.check { triangle.factor.smallest_singular_value() } else { (1.0, Vec::new()) };
         let place = largest_place(&y);
@@ -171,7 +172,8 @@ pub(super) fn dependent(
     let error = units * because.len() as f64 * f64::EPSILON * largest;
     let mismatch = |sides: &Vec<Mismatch>| mismatch(sides, tableau, i, noise * largest, error);
     let mismatches = block.effective.iter().map(|sides| mismatch(sides).scaled(-block.exponents[k])).collect();
-    // `left` is common to all rows. What remains of this row may be smaller, or may be only the rounding error of its terms.
+    // `left` is the size of the remainders of all dependent rows. What remains of this row may be smaller, or may be only the rounding
+    // error of its terms.
     let left = if left > 0.0 { left.min(confirmed(block, tableau, i)) } else { left };
     let (because, dropped) = (BlockCertificate::Known(because), small_row(block, k, left));
     Dependent { row: block.rows[k], because, units, dropped, mismatches }
@@ -213,7 +215,7 @@ pub(super) fn later(candidate: u32, holder: u32) -> bool {
 }
 
 /// Applies `sounder`, then keeps the earlier ones of equivalent equations and measures the nearness of these rows. This second choice is
-/// discarded if its sigma is less than half of the first.
+/// discarded if its smallest singular value is less than half of that of the first.
 pub(super) fn in_order(
     block: &Block,
     means: FactorContext,
@@ -235,7 +237,7 @@ fn kept_of(tableau: &Tableau) -> Vec<usize> {
 }
 
 /// If the kept rows seem nearly dependent, exchanges rows until no coefficient of a certificate exceeds [`STEEP`]. The exchanges count only
-/// if they increase sigma.
+/// if they increase the smallest singular value.
 pub(super) fn sounder(
     block: &Block,
     means: FactorContext,

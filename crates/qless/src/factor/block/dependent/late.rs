@@ -24,7 +24,7 @@ use crate::input::scale::ldexp;
 use crate::presolve::basis::{BlockCertificate, BlockDependent as Dependent, LateTerms};
 use crate::presolve::eliminated::Mismatch;
 
-/// Right-hand sides that are solved together.
+/// Number of right-hand sides that are solved together.
 const LANES: usize = 8;
 /// Seed of the random signs.
 const SEED: u64 = 0x6a09_e667;
@@ -35,15 +35,15 @@ const SURE: f64 = 4.0;
 #[derive(Debug)]
 struct LateCertificates {
     factor: Arc<Factor>,
-    /// The factor `[R1 R2]` by columns, built when the first certificate is read.
+    /// The factor `[R1 R2]` of the kept and the dropped rows by columns, built when the first certificate is read.
     columns: OnceLock<Csr>,
-    /// For each column of R1, the name and the exponent of the kept row.
+    /// For each column of R1, the name (number) of its kept row, and the exponent of the power of two by which the block scales this row.
     rows: Vec<(u32, i32)>,
-    /// The columns of R1, sorted by the names of their rows.
+    /// The columns of R1, sorted by the names (numbers) of their kept rows.
     by_name: Vec<usize>,
     /// For each dropped row, the exponent by which the block scales it.
     exponents: Vec<i32>,
-    /// Coefficients below this fraction of the largest are rounding.
+    /// Coefficients of a certificate below this fraction of its largest one are rounding.
     noise: f64,
 }
 
@@ -60,8 +60,8 @@ impl LateCertificates {
 }
 
 impl LateCertificates {
-    /// Solves `R1 y = R2_k` from the last row up. Entries that are only rounding are set to zero, so that they cost nothing in the rows
-    /// above.
+    /// Solves `R1 y = R2_k` for the certificate y of dropped row k, from the last row of R1 up. Entries that are only rounding are set to
+    /// zero, so that they cost nothing in the rows above.
     fn solved(&self, k: usize) -> Vec<f64> {
         let rank = self.rows.len();
         let columns = self.columns.get_or_init(|| self.factor.r.transposed());

@@ -15,7 +15,7 @@ use weak::{ROUNDS, unexplained, without_weak};
 
 pub(super) use certificate::Rows;
 
-/// Largest m n of a block that is factored again, with pivoting, if it seems nearly dependent.
+/// Largest size m n (rows times DOFs) of a block that is factored again, with pivoting, if it seems nearly dependent.
 const DENSE: usize = 1 << 20;
 
 /// Tolerance for rows that are known to be independent; a tolerance of zero would let backends take rounding for a pivot.
@@ -47,7 +47,8 @@ fn independent(block: &Block, means: FactorContext) -> Result<Rows, BackendError
     let (m, n) = (block.matrix.rows(), block.matrix.cols);
     let pivots = backend.pivots(n, m) || choice.near.distance >= NEAR;
     if !pivots && m * n > DENSE {
-        // The distance of a kept row from the span of the other kept rows is at least sigma, so a large sigma leaves no doubt.
+        // The smallest singular value sigma bounds from below how far each kept row is from the span of the others, so a large sigma leaves
+        // no doubt.
         let doubtful = choice.near.sigma <= ESTIMATE * tolerance;
         if let Some(rows) = if doubtful { without_weak(block, means, &choice, &order)? } else { None } {
             return Ok(rows);

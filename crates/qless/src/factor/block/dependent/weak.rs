@@ -22,7 +22,7 @@ use crate::presolve::basis::NEAR;
 /// Largest number of rounds in which rows are dropped and taken back in search of a sound choice.
 pub(super) const ROUNDS: usize = 8;
 
-/// Name of a combination of rows that vanishes.
+/// Stands in place of a row number for a combination of rows that vanishes.
 const NOTHING: u32 = u32::MAX;
 
 /// The backend kept rows that are combinations of others to within the tolerance, as a QR without pivoting does if their remainders are
@@ -81,7 +81,7 @@ pub(super) fn without_weak(
     Ok(None)
 }
 
-/// Moves rows, by position among the kept ones, to the dropped ones.
+/// Moves rows from the kept to the dropped ones; `weak` has their positions among the kept ones.
 fn drop_weak(mut weak: Vec<usize>, kept: &mut Vec<usize>, dropped: &mut Vec<usize>) {
     weak.sort_unstable_by(|a, b| b.cmp(a));
     dropped.extend(weak.into_iter().map(|k| kept.swap_remove(k)));
@@ -118,7 +118,7 @@ fn with_null_space(first: &Choice, weak: &Weak) -> Option<Tableau> {
     data.iter().all(|v| v.is_finite()).then(|| Tableau { basic, free: names(rows), width, data })
 }
 
-/// Exchanges the weak rows with the vanishing combinations, and removes the columns of the latter.
+/// Exchanges the weak rows with the vanishing combinations, and then removes the columns of these combinations.
 fn without(weak: &Weak, mut tableau: Tableau) -> Option<Tableau> {
     let mut weak = weak.columns.clone();
     for i in (0..tableau.basic.len()).filter(|&i| tableau.basic[i] == NOTHING).collect::<Vec<_>>() {
