@@ -67,7 +67,7 @@ pub enum ManifestError {
         /// The path where the manifest should be.
         path: PathBuf,
     },
-    /// A file has the name of the manifest but is none.
+    /// A file has the name of the manifest, but it is no manifest of this library.
     #[error("{}: it is no manifest of qless; name another folder, or move this file away", path.display())]
     NotOurs {
         /// The file.

@@ -10,7 +10,8 @@ use crate::ranks::Ranks;
 const BITS: usize = 32;
 /// Digits for the 2098 bits of a number, 64 bits for carries, and the sign.
 const DIGITS: usize = 69;
-/// The number of additions after which carries are propagated. Each addition changes a digit by less than 2^32, so up to 2^31 would fit.
+/// The number of additions after which carries are propagated. An addition changes a digit by less than 2^32, so 2^31 additions would fit
+/// into its 64-bit word.
 const PATIENCE: u32 = 1 << 16;
 /// Added to the word of the highest digit, which holds a small signed carry, so that this word is not negative while the ranks are summed.
 const LIFT: u64 = 1 << 40;

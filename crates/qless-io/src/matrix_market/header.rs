@@ -33,7 +33,7 @@ pub(crate) enum Symmetry {
     Skew,
 }
 
-/// Reads the header of a vector. Returns whether it promises integers.
+/// Reads the header of a vector. Returns true if it says `integer`.
 pub(crate) fn read_vector(path: &Path, lines: &mut TextLines) -> Result<bool, ReadError> {
     read(path, lines, &["array"], &["general"]).map(|header| header.is_integer)
 }

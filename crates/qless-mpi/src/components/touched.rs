@@ -10,7 +10,7 @@ use crate::share::ShareRows;
 pub(crate) struct TouchedDofs {
     pub dofs: Vec<u64>,
     pub places: Vec<u32>,
-    /// The coefficients of each DOF; in the order of `dofs`.
+    /// For each DOF in `dofs`, a summary of its coefficients.
     pub columns: Vec<ColumnSizes>,
 }
 

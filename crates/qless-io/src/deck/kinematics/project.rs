@@ -84,7 +84,7 @@ impl MasterFace {
                 [p / a.max(f64::MIN_POSITIVE), 0.0]
             };
             xi = self.shape.inside([xi[0] + step[0], xi[1] + step[1]]);
-            // Compares parameters that are clamped to the face: on its edge, only the part of the step along the edge counts.
+            // The parameters were clamped to the face before. So a step that leads off the face counts only with its part along the edge.
             if (xi[0] - before[0]).abs() + (xi[1] - before[1]).abs() < 1e-14 {
                 break;
             }

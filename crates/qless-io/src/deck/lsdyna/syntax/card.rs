@@ -126,7 +126,7 @@ impl DynaCards {
         Ok(())
     }
 
-    /// Reads `*PARAMETER`: pairs of a name and a value; the first letter of a name gives the type. Of `*PARAMETER_EXPRESSION`, only
+    /// Reads `*PARAMETER`: pairs of a name and a value; the first letter of a name gives the type. In `*PARAMETER_EXPRESSION`, only
     /// expressions that are numbers can be used.
     fn parameters(&mut self, card: &DynaCard, pairs: usize) {
         let none = Parameters::default();

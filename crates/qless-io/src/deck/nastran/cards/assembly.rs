@@ -158,8 +158,8 @@ impl CardAssembly {
         Ok(())
     }
 
-    /// Notes that MYSTRAN makes no copies. It ignores the line; but if the line is in free field with an asterisk, it mistakes it for large
-    /// field and stops.
+    /// Notes that MYSTRAN makes no copies. It ignores most lines that ask for them. But it takes a line in free field with an asterisk for
+    /// one in large field, and stops.
     fn note_skipped_copy(&mut self, line: &DeckLine) {
         if line.text.contains(&b',') && line.text.contains(&b'*') {
             self.bulk.notes.refuse(line.at(), "MYSTRAN stops at this line of copies; write the cards out".into());

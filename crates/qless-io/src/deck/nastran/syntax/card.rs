@@ -35,7 +35,7 @@ pub struct BulkCard {
     lines: Vec<CardLine>,
     /// The continuation mark of the card's last line.
     mark: Vec<u8>,
-    /// Whether a line in free field has more data than it has data fields.
+    /// Whether a line in free field has further data after its last data field.
     pub goes_beyond: bool,
 }
 

@@ -1,7 +1,7 @@
 //! Joins cards with continuation lines that are not next to them.
 //!
 //! A card that ends with the mark `+A` continues in the line that begins with `+A`, wherever that line is in the deck. If a line has no
-//! mark and the line after it has a name, that line continues it, unless the mark of another line gives this name.
+//! mark and the next line begins with a name, the next line continues it. There is one exception: the mark of another line gives this name.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -61,7 +61,7 @@ impl Continuations {
         self.claims.push(ContinuationClaim { card, name, next: None });
     }
 
-    /// Adds a card without a mark after which a continuation line with a name follows.
+    /// Adds a card that has no mark, but is followed by a continuation line with a name.
     pub fn claim_next(&mut self, card: BulkCard) {
         self.claims.push(ContinuationClaim { card: Some(card), name: Vec::new(), next: Some(self.pieces.len()) });
     }
@@ -109,7 +109,7 @@ impl Continuations {
         let marks = self.pieces.iter().map(|piece| &piece.mark);
         self.named = self.claims.iter().map(|claim| &claim.name).chain(marks).cloned().collect();
         let mut cards = Vec::with_capacity(self.claims.len());
-        // Cards whose marks name lines come first: a piece belongs to the card before it only if no other card names it.
+        // Cards whose marks give names come first: a piece belongs to the card before it only if no mark gives the name of the piece.
         let claims = std::mem::take(&mut self.claims);
         for claim in claims.iter().filter(|claim| claim.next.is_none()) {
             cards.extend(self.complete(claim, &mut by_name, solver)?);
