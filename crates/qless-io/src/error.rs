@@ -151,7 +151,7 @@ pub enum WriteError {
         /// The folder.
         path: PathBuf,
     },
-    /// The manifest of the folder cannot be read, or is not one of this library.
+    /// The manifest of the folder cannot be read, or it is no manifest of this library.
     #[error(transparent)]
     Manifest(crate::ManifestError),
     /// A label has a line break.

@@ -98,7 +98,7 @@ pub enum TextFault {
     /// The text is no usable number.
     #[error("{what} is {found}: {problem}")]
     Number {
-        /// Which number of the case it should be.
+        /// What the number should be: an entry of the matrix, a right-hand side or a prescribed value.
         what: Quantity,
         /// The text of the number.
         found: String,
@@ -208,10 +208,10 @@ pub enum NumberFault {
     /// The number is `nan` or `inf`.
     #[error("every number must be finite")]
     NotFinite,
-    /// The number is above the range of 64-bit floats.
+    /// The magnitude of the number is above the range of 64-bit floats.
     #[error("too large for a 64-bit number; rescale the row")]
     Overflow,
-    /// The number is not zero, but below the range of 64-bit floats.
+    /// The number is not zero, but its magnitude is below the range of 64-bit floats.
     #[error("too small for a 64-bit number, which would make it zero; rescale the row or write 0")]
     Underflow,
     /// The number has a fraction, but the header of the file says `integer`.

@@ -96,7 +96,7 @@ pub enum ManifestError {
 }
 
 impl Manifest {
-    /// The name of every manifest in its folder.
+    /// The name of the manifest in every folder.
     pub const NAME: &str = "qless.json";
 
     /// Reads the manifest of a folder; `None` if there is none.

@@ -27,9 +27,9 @@ pub(crate) struct Header {
 pub(crate) enum Symmetry {
     /// The file leaves out no entries.
     General,
-    /// The file leaves out the entries above the diagonal: `a_ji = a_ij`.
+    /// The file leaves out the entries above the diagonal, because `a_ji = a_ij`.
     Symmetric,
-    /// The file leaves out the entries above the diagonal, `a_ji = -a_ij`, and on it.
+    /// The file leaves out the entries above the diagonal, because `a_ji = -a_ij`, and those on the diagonal, which are zero.
     Skew,
 }
 

@@ -92,7 +92,7 @@ impl DistributedElimination {
         &self.dofs
     }
 
-    /// The masters that this rank owns, ascending. Its vector u_q has one entry for each.
+    /// The masters that this rank owns, ascending. The vector u_q of this rank has one entry for each.
     pub fn masters(&self) -> &[u64] {
         &self.masters
     }

@@ -21,7 +21,7 @@ pub struct MasterFace {
 pub struct NearestPoint {
     pub face: usize,
     pub distance: f64,
-    /// The values of the shape functions at that point, one for each node of the face.
+    /// The values of the shape functions at the nearest point, one for each node of the face.
     pub weights: Vec<f64>,
 }
 
@@ -49,7 +49,7 @@ impl MasterFace {
         Ok(Self { nodes, points, shape })
     }
 
-    /// The shorter diagonal of a quadrilateral with these corners, or the shorter side at the last corner of a triangle.
+    /// The shorter diagonal of a quadrilateral, or the shorter side at the last corner of a triangle.
     pub fn least_diagonal(&self) -> f64 {
         let corner = |k: usize| self.points[k.min(self.points.len() - 1)];
         length(minus(corner(0), corner(2))).min(length(minus(corner(1), corner(3))))

@@ -111,8 +111,8 @@ pub fn kept_by_edits(
     (!kept.is_empty() && echelon.operations < OPERATIONS).then_some(kept)
 }
 
-/// The nonzero rows of the matrix N of dependencies (see the head of this file), by row of the analysis. They belong to equations scaled by
-/// their largest coefficients.
+/// The nonzero rows of the matrix N of dependencies (see the head of this file), by row of the analysis. Each equation counts as divided by
+/// its largest coefficient.
 struct Dependencies {
     rows: FxHashMap<usize, Vec<(usize, f64)>>,
     count: usize,

@@ -21,11 +21,11 @@ pub type PrescribedColumns = FxHashMap<u32, Origin>;
 /// A group of load cases: all up to `last`. `prescribed` holds the DOFs that any of them prescribes. The equations kept in all these load
 /// cases are independent even without the columns of these DOFs.
 pub struct Layer {
-    /// The index of the last load case.
+    /// The index of the last load case of the group.
     pub last: usize,
-    /// The name of the last load case.
+    /// The name of the last load case of the group.
     pub name: String,
-    /// The columns that any of the load cases prescribes.
+    /// The columns that any load case of the group prescribes.
     pub prescribed: PrescribedColumns,
 }
 

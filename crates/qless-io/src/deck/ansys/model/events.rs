@@ -152,7 +152,7 @@ impl<'a> EventReplay<'a> {
                     self.node(event, history, node, components);
                 }
             }
-            // A command that names one node alone also applies if neither the deck nor an equation defines this node.
+            // A command for a single node applies even if neither the deck nor an equation defines this node.
             if first == last && self.nodes.binary_search(&first).is_err() {
                 self.node(event, history, first, components);
             }

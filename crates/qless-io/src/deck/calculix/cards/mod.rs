@@ -58,7 +58,7 @@ impl CardEquation {
         Ok(equation)
     }
 
-    /// Makes `slave` the slave of the equation, if its coefficient is as large as that of the present slave.
+    /// Makes `slave` the slave of the equation, if the coefficient of this DOF is as large as that of the present slave.
     pub fn led_by(mut self, slave: Dof) -> Self {
         let at = self.terms.iter().position(|(dof, a)| *dof == slave && a.abs() >= 1.0 - ROUNDING);
         if let Some(at) = at {

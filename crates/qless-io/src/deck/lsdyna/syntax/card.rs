@@ -139,7 +139,7 @@ impl DynaCards {
     }
 }
 
-/// Where the next line begins that starts with a star, at or after `from`. `from` must be the start of a line.
+/// The byte at which the next line that begins with a star starts, at or after `from`. `from` must be the start of a line.
 fn next_keyword(text: &[u8], from: usize) -> usize {
     let stars = memchr::memchr_iter(b'*', &text[from..]).map(|k| from + k);
     let is_start = |at: &usize| *at == from || text[at - 1] == b'\n' || (*at == 3 && text.starts_with(b"\xef\xbb\xbf"));

@@ -15,7 +15,7 @@ use crate::fault::quote;
 pub struct CardAssembly {
     pub bulk: BulkData,
     card: BulkCard,
-    /// The kind of the last line.
+    /// The kind of the line that was read last.
     before: LineBefore,
     /// The continuation mark of the last line, if the card of that line is skipped.
     mark: Vec<u8>,
@@ -105,7 +105,7 @@ impl CardAssembly {
         }
     }
 
-    /// Stores a continuation line that does not continue the line before it, as the start of a new piece.
+    /// Stores a continuation line that does not continue the line before it. It starts a new piece: lines whose card is not known yet.
     fn start_piece(
         &mut self,
         before: LineBefore,

@@ -23,7 +23,7 @@ pub struct CaseSelection {
 }
 
 impl CaseSelection {
-    /// This selection; choices that are missing are taken from `outer`.
+    /// Returns this selection. Choices that are missing in it are taken from `outer`.
     fn or(self, outer: Self) -> Self {
         Self { mpc: self.mpc.or(outer.mpc), spc: self.spc.or(outer.spc), load: self.load.or(outer.load) }
     }
