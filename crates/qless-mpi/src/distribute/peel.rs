@@ -2,7 +2,7 @@
 //!
 //! Such an equation is independent of all others and is in no certificate. It is peeled only if the serial analysis would do the same:
 //! the coefficient of the DOF exceeds those of the equation's other free DOFs, no DOF of the equation has a coefficient that may be
-//! rounding, and the equations of the component do not mix units.
+//! rounding, and the equations of the component neither mix units nor hold numbers of extreme magnitude.
 
 use crate::components::{ConnectedComponents, KnownDofs, NONE, TouchedDofs};
 use crate::share::ShareRows;
@@ -47,8 +47,8 @@ impl Sizes {
         [self.wild, self.small, self.shared]
     }
 
-    /// Whether a component seems not to mix units. `sum` holds three counts, summed over the fragments of the component: `wild`, `small`
-    /// and `shared`, as in [`Sizes`].
+    /// Whether a component has no numbers of extreme magnitude and seems not to mix units. `sum` holds three counts, summed over the
+    /// fragments of the component: `wild`, `small` and `shared`, as in [`Sizes`].
     pub fn are_even(sum: &[u64; 3]) -> bool {
         sum[0] == 0 && MANY * sum[1] <= sum[2]
     }
