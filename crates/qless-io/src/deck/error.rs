@@ -46,12 +46,12 @@ pub enum Problem {
         /// What is wrong with the number.
         fault: NumberFault,
     },
-    /// A card has fewer items than it announces.
+    /// A card has fewer items than it announces or needs.
     #[error("{promised} {what} are promised, but the card ends after {found}; complete it or correct the number")]
     TooFew {
         /// The kind of the items, for example "nodes".
         what: &'static str,
-        /// The number of items that the card announces.
+        /// The number of items that the card announces or needs.
         promised: usize,
         /// The number of items that the card has.
         found: usize,

@@ -134,7 +134,7 @@ impl ChunkedMatrix {
         Positions::after(before, self.rows, self.header.symmetry)
     }
 
-    /// Checks that the file has as many entries as the line with the sizes says. `found` entries were read from it.
+    /// Checks that the file has no fewer entries than the line with the sizes says. `found` entries were read from it.
     ///
     /// # Errors
     /// [`ReadError::Malformed`] if entries are missing.
