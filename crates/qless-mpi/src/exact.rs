@@ -118,7 +118,8 @@ impl ExactSum {
             self.carry();
         }
         let Some(top) = self.digits.iter().rposition(|&digit| digit != 0) else { return 0.0 };
-        // The three leading digits have at least 65 bits, more than a double. The lowest bit records whether any lower digit is nonzero.
+        // The three leading digits hold at least 65 bits, more than the 53 of a double. The lowest bit records whether any lower digit is
+        // nonzero.
         let first = top.saturating_sub(2);
         let mut leading = self.digits[first..=top].iter().rev().fold(0, |sum: u128, &d| sum << BITS | d as u128);
         leading |= u128::from(self.digits[..first].iter().any(|&digit| digit != 0));

@@ -15,7 +15,7 @@ use crate::deck::{Dof, LoadCase, Model, Origin};
 pub struct EquationFault {
     /// The index of the equation, from 0. If a coupled set or a circle is at fault, this is one of its equations.
     pub equation: usize,
-    /// The slave of the equation, or the DOF of the coupled set.
+    /// The slave of the equation, or the faulty DOF of the coupled set.
     pub slave: Dof,
     /// The kind of the fault.
     pub kind: FaultKind,

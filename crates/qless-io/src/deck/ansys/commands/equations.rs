@@ -51,7 +51,7 @@ impl StartsAt for CeEquation {
 pub struct NodeRegion {
     /// `CERIG` or `RBE3`.
     pub name: &'static str,
-    /// The master node of `CERIG`, or the reference node of `RBE3`.
+    /// The master node, which field 1 of the command names.
     pub node: u32,
     pub line: u32,
     /// The number of the first equation that the region generates. `last` is that of the last one.
