@@ -1,4 +1,4 @@
-//! A case: the files of one system.
+//! A case: the files of one system `C u = b`.
 
 use std::path::{Path, PathBuf};
 
@@ -51,7 +51,7 @@ impl CaseFiles {
         Ok(files.with(rhs, prescribed))
     }
 
-    /// Replaces the right-hand side file and the prescribed DOF file by those in the arguments, if any.
+    /// Uses the files in the arguments, if given, in place of the case's own right-hand side and prescribed DOFs.
     pub(crate) fn with(mut self, rhs: Option<&Path>, prescribed: Option<&Path>) -> Self {
         self.rhs = rhs.map(Path::to_path_buf).or(self.rhs);
         self.prescribed = prescribed.map(Path::to_path_buf).or(self.prescribed);
@@ -66,8 +66,8 @@ impl CaseFiles {
         };
         let [matrix, rhs, prescribed, rows, columns] = PARTS.map(part);
         let matrix = matrix.ok_or_else(|| ReadError::NoMatrix { path: folder.to_path_buf() })?;
-        // Only the manifest of an incomplete set of files is refused. Files edited by hand still form a case, and a `qless.json` of another
-        // program does no harm.
+        // Only an incomplete set of files makes the case invalid. All other faults of a manifest are ignored: edited files still form a
+        // case, and a `qless.json` of another program does no harm.
         if Manifest::read(folder).is_ok_and(|manifest| manifest.is_some_and(|manifest| !manifest.complete)) {
             return Err(ReadError::Interrupted { path: folder.join(Manifest::NAME) });
         }
@@ -105,8 +105,8 @@ impl CaseFiles {
         lines.unwrap_or(ReadError::System { path, source: error })
     }
 
-    /// The error for coefficients of a 0-based row and DOF that add up to `sum`; `None` if the matrix has no such
-    /// coefficients.
+    /// The error that the coefficients of row `row` and column `dof` (both from 0) add up to `sum`, which is not finite. `None` if the file
+    /// has no such coefficients.
     ///
     /// # Errors
     /// Errors of reading the matrix again.
@@ -119,7 +119,8 @@ impl CaseFiles {
     }
 }
 
-/// Reads labels. An empty line becomes `fallback` and the 1-based number. Without a file there are no labels.
+/// Reads labels. An empty label becomes the word `fallback` with the 1-based number of its row or column, such as `DOF 5`. Without a file
+/// there are no labels.
 fn labels(path: Option<&Path>, count: usize, each: &'static str, fallback: &str) -> Result<Vec<String>, ReadError> {
     let Some(path) = path else { return Ok(Vec::new()) };
     let mut labels = read_labels(path, count, each)?;

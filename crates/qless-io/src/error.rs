@@ -107,7 +107,7 @@ pub enum WriteError {
         /// The reason that the operating system gives.
         source: io::Error,
     },
-    /// Some files of a set are in their place and others are not; the manifest records this.
+    /// Writing was interrupted after some of the new files were put in place. The manifest says that the set is incomplete.
     #[error("{}: {source}; the files of this folder are incomplete, as qless.json records; remove the cause and run again", folder.display())]
     Incomplete {
         /// The folder.
@@ -151,7 +151,7 @@ pub enum WriteError {
         /// The folder.
         path: PathBuf,
     },
-    /// The manifest of the folder cannot be read, or is not one of this library.
+    /// The manifest of the folder cannot be read, or it is no manifest of this library.
     #[error(transparent)]
     Manifest(crate::ManifestError),
     /// A label has a line break.
@@ -167,7 +167,7 @@ pub enum WriteError {
 }
 
 impl ReadError {
-    /// Whether the error is that a limit of size or memory was exceeded. Then the content may be valid.
+    /// Whether a limit of size or memory was exceeded. If so, the content itself may be valid.
     pub fn is_resource(&self) -> bool {
         match self {
             Self::Io { source, .. } => bytes::is_too_much(source),

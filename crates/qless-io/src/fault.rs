@@ -45,7 +45,7 @@ pub enum TextFault {
         what: &'static str,
         /// The size in the file.
         found: usize,
-        /// The number of entries that the file promises.
+        /// The number of entries that the line with the sizes gives.
         entries: usize,
     },
     /// The matrix has no columns.
@@ -98,25 +98,25 @@ pub enum TextFault {
     /// The text is no usable number.
     #[error("{what} is {found}: {problem}")]
     Number {
-        /// Which number of the case it should be.
+        /// What the number should be: an entry of the matrix, a right-hand side or a prescribed value.
         what: Quantity,
         /// The text of the number.
         found: String,
         /// What is wrong with the number.
         problem: NumberFault,
     },
-    /// There are more entries than the sizes promise.
+    /// The file has more entries than the line with the sizes says.
     #[error("one entry more than the {promised} promised; correct the number of entries or remove the line")]
     TooMany {
-        /// The number of entries that the sizes promise.
+        /// The number of entries that the line with the sizes gives.
         promised: usize,
     },
-    /// The file ends before the last entry that the sizes promise.
+    /// The file has fewer entries than the line with the sizes says.
     #[error(
         "{promised} entries are promised, but the file ends after {found}; correct the number or complete the file"
     )]
     TooFew {
-        /// The number of entries that the sizes promise.
+        /// The number of entries that the line with the sizes gives.
         promised: usize,
         /// The number of entries in the file.
         found: usize,
@@ -208,13 +208,13 @@ pub enum NumberFault {
     /// The number is `nan` or `inf`.
     #[error("every number must be finite")]
     NotFinite,
-    /// The number is above the range of 64-bit floats.
+    /// The magnitude of the number is above the range of 64-bit floats.
     #[error("too large for a 64-bit number; rescale the row")]
     Overflow,
-    /// The number is not zero, but below the range of 64-bit floats.
+    /// The number is not zero, but its magnitude is below the range of 64-bit floats.
     #[error("too small for a 64-bit number, which would make it zero; rescale the row or write 0")]
     Underflow,
-    /// The number has a fraction, but the file promises integers.
+    /// The number has a fraction, but the header of the file says `integer`.
     #[error("not an integer, as the header promises; write `real` in the header")]
     NotAnInteger,
 }
@@ -257,7 +257,7 @@ pub(crate) fn quote(text: &[u8]) -> String {
     if text.is_empty() {
         return "nothing".into();
     }
-    // A character has at most four bytes. So the cut at `LONGEST` characters below drops a character that is split here.
+    // The limit in bytes may split a character. A character has at most four bytes, so a split one is never among the first `LONGEST`.
     let text = String::from_utf8_lossy(&text[..text.len().min(4 * (LONGEST + 1))]);
     let mut quoted: String = text.chars().take(LONGEST).flat_map(plain).collect();
     if text.chars().nth(LONGEST).is_some() {

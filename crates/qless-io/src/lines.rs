@@ -108,7 +108,7 @@ impl<'a> TextLine<'a> {
         self.fault(TextFault::Entry { expected, found: self.quote() })
     }
 
-    /// Parses a number. `is_integer` is true if the header of the file promises integers.
+    /// Parses a number. `is_integer` is true if the header of the file says `integer`.
     pub fn number(&self, word: &[u8], what: Quantity, is_integer: bool) -> Result<f64, ReadError> {
         let problem = match real(word) {
             Ok(number) if !is_integer || number.fract() == 0.0 => return Ok(number),

@@ -67,7 +67,7 @@ pub enum ManifestError {
         /// The path where the manifest should be.
         path: PathBuf,
     },
-    /// A file has the name of the manifest but is none.
+    /// A file has the name of the manifest, but it is no manifest of this library.
     #[error("{}: it is no manifest of qless; name another folder, or move this file away", path.display())]
     NotOurs {
         /// The file.
@@ -96,7 +96,7 @@ pub enum ManifestError {
 }
 
 impl Manifest {
-    /// The name of every manifest in its folder.
+    /// The name of the manifest in every folder.
     pub const NAME: &str = "qless.json";
 
     /// Reads the manifest of a folder; `None` if there is none.

@@ -24,7 +24,7 @@ pub(crate) fn real(word: &[u8]) -> Result<f64, NumberFault> {
     if f64::is_normal(value) { Ok(value) } else { not_normal(text, value) }
 }
 
-/// Parses a number that [`leading`] can read, as it can most numbers of a deck; `None` for any other text.
+/// Parses a number in the form that [`leading`] reads; `None` for any other text. Most numbers of a deck have this form.
 pub(crate) fn short(word: &[u8]) -> Option<f64> {
     leading(word).filter(|&(_, length)| length == word.len()).map(|(value, _)| value)
 }
@@ -49,7 +49,7 @@ pub(crate) fn leading(text: &[u8]) -> Option<(f64, usize)> {
     }
     let decimals = point.map_or(0, |point| end - point - 1);
     let (count, mut exponent) = (end - start - usize::from(point.is_some()), -(decimals as isize));
-    // At most 19 digits are accepted, because they do not overflow.
+    // 19 digits fit into a `u64`. More digits may overflow.
     if count == 0 || count > 19 || whole > 1 << 53 {
         return None;
     }

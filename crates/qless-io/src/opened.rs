@@ -59,7 +59,7 @@ impl Opened {
             _ if header::is_present(&text) => FileContent::Matrix,
             _ if relations::is_relations(path, &text) => FileContent::Relations,
             Ok(format) => FileContent::Deck(format),
-            // The path has the ending of a matrix file. The reader of matrices explains better what is wrong.
+            // No reader recognises the text, but its path ends like that of a matrix. The reader of matrices then gives the best error.
             Err(_) if is_matrix(path) => FileContent::Matrix,
             Err(seen) => return Err(ReadError::Unknown { path: path.to_path_buf(), seen }),
         };
@@ -109,8 +109,8 @@ impl Opened {
     }
 }
 
-/// Reads a case: a Matrix Market file, a file of [`relations`], or a folder with `C.mtx` and optional files. The path `-` is standard input.
-/// Text may be packed by gzip, or be UTF-16 with a byte order mark.
+/// Reads a case: a Matrix Market file, a file of [`relations`], or a folder with `C.mtx` and optional files. The path `-` is standard
+/// input. Text may be packed by gzip, or be UTF-16 with a byte order mark.
 ///
 /// `rhs` and `prescribed` name additional files for a `.mtx` file. For a folder, they replace the folder's own files. Without a right-hand
 /// side, b is zero. An empty label becomes `row 5` or `DOF 5`.

@@ -84,8 +84,8 @@ type ColumnTerms = (Vec<(usize, f64)>, f64);
 struct AllRelations {
     columns: FxHashMap<String, usize>,
     names: Vec<String>,
-    /// The relations that do not prescribe a DOF, each with its label, terms and right-hand side. Also contradicting values of prescribed
-    /// DOFs.
+    /// The relations that do not prescribe a DOF, each with its label, terms and right-hand side. A relation that prescribes a DOF again
+    /// with another value is also here.
     equations: Vec<(String, ColumnTerms)>,
     /// For each prescribed DOF, by column: the label and the value of the first relation that prescribes it.
     prescribed: FxHashMap<usize, (String, f64)>,
@@ -130,7 +130,7 @@ struct Relation {
     label: Option<String>,
     terms: Vec<(String, f64)>,
     rhs: f64,
-    /// Whether the relation prescribes a DOF: it consists of a single DOF without sign and coefficient.
+    /// Whether the relation prescribes a DOF. It does if its left-hand side is a single DOF without sign and coefficient.
     is_prescribed: bool,
 }
 
@@ -203,7 +203,7 @@ impl Words<'_> {
         }
     }
 
-    /// Where the next word starts in its line, in bytes from 1. If there is none, the place after the last word.
+    /// Where the next word starts in its line, in bytes from 1. If no word is left, returns the place after the last one.
     fn column(&self) -> usize {
         let next = self.words.first().map(|word| word.as_ptr() as usize - self.line.as_ptr() as usize);
         next.unwrap_or(self.line.trim_ascii_end().len()) + 1

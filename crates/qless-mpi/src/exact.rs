@@ -10,9 +10,11 @@ use crate::ranks::Ranks;
 const BITS: usize = 32;
 /// Digits for the 2098 bits of a number, 64 bits for carries, and the sign.
 const DIGITS: usize = 69;
-/// The number of additions after which carries are propagated. Each addition changes a digit by less than 2^32, so up to 2^31 would fit.
+/// The number of additions after which carries are propagated. An addition changes a digit by less than 2^32, so 2^31 additions would fit
+/// into its 64-bit word.
 const PATIENCE: u32 = 1 << 16;
-/// Added to the word of the highest digit, which holds a small signed carry, so that this word is not negative while the ranks are summed.
+/// This number is added to the word of the highest digit while the words of the ranks are summed. The digit is a small signed carry, but
+/// its word must not be negative.
 const LIFT: u64 = 1 << 40;
 
 /// The sum of the numbers of all ranks, rounded to the nearest double. Its bits are the same on all ranks, for any distribution and
@@ -84,7 +86,7 @@ impl ExactSum {
         self.added = 0;
     }
 
-    /// The words of this rank: [`Ranks::sum`] adds those of all ranks.
+    /// This rank's sum as words, which [`Ranks::sum`] can add to those of the other ranks.
     fn into_words(mut self) -> Vec<u64> {
         self.carry();
         let mut words: Vec<u64> = self.digits.iter().map(|&digit| digit as u64).collect();
@@ -116,7 +118,8 @@ impl ExactSum {
             self.carry();
         }
         let Some(top) = self.digits.iter().rposition(|&digit| digit != 0) else { return 0.0 };
-        // The three leading digits have at least 65 bits, more than a double. The lowest bit records whether any lower digit is nonzero.
+        // The three leading digits hold at least 65 bits, more than the 53 of a double. The lowest bit records whether any lower digit is
+        // nonzero.
         let first = top.saturating_sub(2);
         let mut leading = self.digits[first..=top].iter().rev().fold(0, |sum: u128, &d| sum << BITS | d as u128);
         leading |= u128::from(self.digits[..first].iter().any(|&digit| digit != 0));

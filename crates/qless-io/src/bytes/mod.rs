@@ -110,7 +110,8 @@ pub(crate) fn room_for(size: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Checks the limits of a source without a size. `read` counts the bytes so far, and `open` those after the last line end.
+/// Checks the limits of a source without a size. `read` is the number of bytes so far, and `open` the number of bytes after the last line
+/// end.
 fn check(read: usize, open: usize) -> Result<(), TooMuch> {
     if open > LINE {
         return Err(TooMuch::Line { read: open });

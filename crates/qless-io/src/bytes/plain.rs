@@ -11,7 +11,7 @@ use flate2::read::MultiGzDecoder;
 
 use super::{CHUNK, TooMuch, check};
 
-/// Any gzip file may unpack to this many bytes; beyond it, the limits on line length and ratio apply.
+/// A gzip file may always unpack to this many bytes. For a larger result, limits on the line length and on the ratio of sizes apply.
 const SMALL: usize = 1 << 26;
 /// Largest ratio of unpacked to packed size. Text rarely packs better than 20 to 1 unless it repeats itself.
 const RATIO: usize = 200;
@@ -82,7 +82,7 @@ fn unpack(packed: &[u8]) -> io::Result<Vec<u8>> {
             return Ok(unpacked);
         }
         line = memchr::memrchr(b'\n', &unpacked[before..]).map_or(line, |at| before + at + 1);
-        // A carriage return ends a line too. This also finds those of UTF-16, which have a zero byte beside them.
+        // A carriage return ends a line too. In UTF-16 it is the same byte beside a zero byte, so this search finds it there as well.
         line = memchr::memrchr(b'\r', &unpacked[before..]).map_or(line, |at| line.max(before + at + 1));
         if unpacked.len() > SMALL {
             check(0, unpacked.len() - line)?;

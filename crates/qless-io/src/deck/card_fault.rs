@@ -107,15 +107,15 @@ pub enum CardFault {
         /// The component.
         component: u8,
     },
-    /// The list after UM of an element has the wrong length.
+    /// The list after UM of an `RBE3` has the wrong length.
     #[error("UM names {found} components, but REFC has {expected}; name as many")]
     UmCount {
-        /// Number of components after UM.
+        /// The number of components in the UM list.
         found: usize,
-        /// Number of components in REFC.
+        /// The number of components in REFC, which the UM list must have.
         expected: usize,
     },
-    /// The element's equations cannot be solved for the components after UM.
+    /// The equations of an `RBE3` cannot be solved for the components in its UM list.
     #[error("the element cannot be solved for the components after UM; choose others that it connects")]
     UmSingular,
     /// An element connects no components.

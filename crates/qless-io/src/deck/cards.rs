@@ -224,7 +224,7 @@ impl Cards {
         self.divisible.contains(&i) || self.nth(i).name.is_numbered("RBE2")
     }
 
-    /// Records that equations cannot replace card `i`, why this is so, and how to change it.
+    /// Records that equations cannot replace card `i`. The text `why` gives the reason, and how to change the card.
     pub(super) fn fix_because(&mut self, i: u32, why: &'static str) {
         self.irreplaceable.insert(i, Some(why));
     }

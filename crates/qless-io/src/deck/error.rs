@@ -46,14 +46,14 @@ pub enum Problem {
         /// What is wrong with the number.
         fault: NumberFault,
     },
-    /// A card ends before it has all that it promises.
+    /// A card has fewer items than it announces or needs.
     #[error("{promised} {what} are promised, but the card ends after {found}; complete it or correct the number")]
     TooFew {
-        /// The kind of things that are counted.
+        /// The kind of the items, for example "nodes".
         what: &'static str,
-        /// The number that the card promises.
+        /// The number of items that the card announces or needs.
         promised: usize,
-        /// The number that the card has.
+        /// The number of items that the card has.
         found: usize,
     },
     /// The deck names something that it does not define.
@@ -87,7 +87,7 @@ pub enum Problem {
     /// An included file cannot be read.
     #[error("the included file {file} cannot be read: {reason}; correct the name or put the file there")]
     Include {
-        /// The name of the file in the deck.
+        /// The name of the included file, as the deck gives it.
         file: String,
         /// The reason that the operating system gives.
         reason: String,
@@ -95,7 +95,7 @@ pub enum Problem {
     /// An included file is too large or never ends.
     #[error("the included file {reason}")]
     IncludeTooLarge {
-        /// A text with the name of the file in the deck, the number of bytes read, and the limit.
+        /// A text with the name of the included file (as the deck gives it), the number of bytes read, and the limit.
         reason: String,
     },
     /// The deck exceeds a limit of this reader.

@@ -26,7 +26,7 @@ pub const MEMBERS: usize = 40_000_000;
 /// Largest number of bytes that the loops of ANSYS read again.
 pub const REREAD: usize = 1 << 24;
 /// Each iteration of an ANSYS loop counts as this many bytes towards [`REREAD`], besides its text: executing a command takes about as long
-/// as reading them.
+/// as reading this many bytes.
 pub const ITERATION: usize = 64;
 /// Largest number of elements of all arrays of ANSYS together.
 pub const ELEMENTS: usize = 4_000_000;

@@ -16,8 +16,8 @@ const SIZES: &str = "rows columns entries";
 const VALUE: &str = "value";
 const ARRAY_SIZES: &str = "rows columns";
 
-/// Number of bytes of the shortest entry, `1 1 1` and LF. It limits the memory that is reserved to what the entries of the file can need.
-/// Entries of an array are shorter, so their list may have to grow.
+/// Number of bytes of the shortest entry, `1 1 1` and LF. The text can hold no more entries than its bytes divided by this number, and
+/// memory is reserved for no more. Entries of an array are shorter, so their list may have to grow.
 const SHORTEST_ENTRY: usize = 6;
 
 /// Largest number of empty rows or columns. Larger sizes are probably typing errors, and would cost memory.
@@ -34,7 +34,7 @@ type Entries = Vec<(usize, usize, f64)>;
 pub struct ChunkedMatrix {
     rows: usize,
     columns: usize,
-    /// Number of entries that the sizes promise. Each is on a line of its own.
+    /// Number of entries that the line with the sizes gives. Each entry is on a line of its own.
     entries: usize,
     header: Header,
     /// Number of the line with the sizes.
@@ -134,7 +134,7 @@ impl ChunkedMatrix {
         Positions::after(before, self.rows, self.header.symmetry)
     }
 
-    /// Checks that the file has all promised entries. `found` entries were read from it.
+    /// Checks that the file has no fewer entries than the line with the sizes says. `found` entries were read from it.
     ///
     /// # Errors
     /// [`ReadError::Malformed`] if entries are missing.

@@ -27,13 +27,13 @@ pub(crate) struct Header {
 pub(crate) enum Symmetry {
     /// The file leaves out no entries.
     General,
-    /// The file leaves out the entries above the diagonal: `a_ji = a_ij`.
+    /// The file leaves out the entries above the diagonal, because `a_ji = a_ij`.
     Symmetric,
-    /// The file leaves out the entries above the diagonal, `a_ji = -a_ij`, and on it.
+    /// The file leaves out the entries above the diagonal, because `a_ji = -a_ij`, and those on the diagonal, which are zero.
     Skew,
 }
 
-/// Reads the header of a vector. Returns whether it promises integers.
+/// Reads the header of a vector. Returns true if it says `integer`.
 pub(crate) fn read_vector(path: &Path, lines: &mut TextLines) -> Result<bool, ReadError> {
     read(path, lines, &["array"], &["general"]).map(|header| header.is_integer)
 }

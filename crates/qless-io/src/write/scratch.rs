@@ -204,7 +204,7 @@ impl Scratch {
 }
 
 impl Drop for Scratch {
-    /// Removes the mark and its files. The mark stays in the list until then.
+    /// Removes the mark and its files. The mark stays in `TRACES` until then.
     fn drop(&mut self) {
         // While it has the lock, this thread counts as at work, so it may use a reserve of memory: a failed allocation would leave files
         // behind.

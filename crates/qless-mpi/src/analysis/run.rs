@@ -108,7 +108,7 @@ fn check(ranks: &dyn Ranks, layout: &Layout, share: &Share, options: &Options) -
 }
 
 /// For each fragment (the portion of a component on this rank), whether its equations may be peeled: the options must allow it, several
-/// ranks must hold equations of the component, and the component must not mix units.
+/// ranks must hold equations of the component, and the component must neither mix units nor hold numbers of extreme magnitude.
 fn peelable(job: &AttemptInput, whole: &ConnectedComponents) -> Vec<bool> {
     let options = job.options;
     let plain = options.presolve && matches!(options.tolerance, qless::Tolerance::Relative(_));

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! repeat   each root hooks on to its first neighbouring root in this round's random order, if that comes before the root itself
-//!          parents become parents of parents, until all are roots      (pointer jumping)
+//!          the parent of each vertex becomes the parent's parent, until it is a root      (pointer jumping)
 //! until    no edge joins two roots
 //! ```
 //!
@@ -77,7 +77,7 @@ impl LabelsForest<'_> {
             Message { rank, words }
         };
         let answers = self.ranks.exchange(post.send(self.ranks).into_iter().map(answer).collect());
-        // Vertices ascend by rank, and so do the answers.
+        // Vertices ascend by rank, and answers come in the order of the ranks. So the k-th answer is that for the k-th vertex.
         asked.into_iter().zip(answers.into_iter().flat_map(|message| message.words)).collect()
     }
 

@@ -10,7 +10,7 @@ use crate::share::ShareRows;
 pub(crate) struct TouchedDofs {
     pub dofs: Vec<u64>,
     pub places: Vec<u32>,
-    /// The coefficients of each DOF; in the order of `dofs`.
+    /// For each DOF in `dofs`, a summary of its coefficients.
     pub columns: Vec<ColumnSizes>,
 }
 
@@ -25,9 +25,9 @@ pub(crate) struct ColumnSizes {
     pub is_faint: bool,
 }
 
-/// A coefficient below this fraction of the largest of its row is small.
+/// A coefficient is small if it is below this fraction of the largest coefficient of its row.
 const SMALL: f64 = 1.0 / 512.0;
-/// A coefficient below this fraction of the largest of its row may be a rounding error.
+/// A coefficient may be a rounding error if it is below this fraction of the largest coefficient of its row.
 const FAINT: f64 = 1e-12;
 /// A range of DOFs gets a lookup table only if it has at most this many DOFs for each term. So the memory grows with the equations and not
 /// with the owned range.

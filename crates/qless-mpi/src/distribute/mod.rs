@@ -47,7 +47,8 @@ pub(crate) fn balance(
     let pooled: u64 = all.iter().step_by(2).sum();
     let mut to = vec![own as u64; known.len()];
     for (k, work) in moved {
-        // Each pooled component is an interval of the pooled work. The middle of the interval, scaled to the free capacity, gives the rank.
+        // The pooled components follow one another on a line, each as long as its work. The middle of a component, scaled to the free
+        // capacity, gives its rank.
         let middle = u128::from(place) * 2 + u128::from(work);
         let scaled = middle * u128::from(room[ranks.size()]) / (2 * u128::from(pooled.max(1)));
         let rank = room.partition_point(|&start| u128::from(start) <= scaled) - 1;
@@ -57,8 +58,8 @@ pub(crate) fn balance(
     components.broadcast(ranks, known, &to)
 }
 
-/// The cumulated free capacity of all ranks, and the pooled work of the ranks before this one. `all` alternates pooled work and free
-/// capacity.
+/// The cumulated free capacity of all ranks, and the pooled work of the ranks before this one. For each rank, `all` holds two numbers: its
+/// pooled work and its free capacity.
 fn room(all: &[u64], rank: usize) -> (Vec<u64>, u64) {
     let mut starts = vec![0];
     for pair in all.chunks_exact(2) {

@@ -2,7 +2,7 @@
 //!
 //! Such an equation is independent of all others and is in no certificate. It is peeled only if the serial analysis would do the same:
 //! the coefficient of the DOF exceeds those of the equation's other free DOFs, no DOF of the equation has a coefficient that may be
-//! rounding, and the equations of the component do not mix units.
+//! rounding, and the equations of the component neither mix units nor hold numbers of extreme magnitude.
 
 use crate::components::{ConnectedComponents, KnownDofs, NONE, TouchedDofs};
 use crate::share::ShareRows;
@@ -14,7 +14,7 @@ pub(crate) struct Peel {
     pub position: u32,
 }
 
-/// A component is taken to mix units if more than 1 in this many of its shared columns has small coefficients in all its rows.
+/// A component is taken to mix units if more than one in this many of its shared columns has only small coefficients.
 const MANY: u64 = 20;
 /// Magnitudes far from the smallest and the largest double.
 const MODEST: std::ops::Range<f64> = 1e-100..1e100;
@@ -47,7 +47,8 @@ impl Sizes {
         [self.wild, self.small, self.shared]
     }
 
-    /// Whether a component seems not to mix units. `sum` has its counts [`Sizes`], summed over its fragments.
+    /// Whether a component has no numbers of extreme magnitude and seems not to mix units. `sum` holds three counts, summed over the
+    /// fragments of the component: `wild`, `small` and `shared`, as in [`Sizes`].
     pub fn are_even(sum: &[u64; 3]) -> bool {
         sum[0] == 0 && MANY * sum[1] <= sum[2]
     }

@@ -51,7 +51,8 @@ pub struct DistributedElimination {
     /// The masters that this rank owns.
     masters: Vec<u64>,
     ghosts: Ghosts,
-    /// Slaves whose rows use masters of this rank only, and the other slaves. Both lists hold indices into the slaves of `elimination`.
+    /// Slaves whose rows use masters of this rank only; `outer` holds all other slaves. Both lists hold indices into the slaves of
+    /// `elimination`.
     inner: Vec<u32>,
     outer: Vec<u32>,
     /// `G u_p + g` for each slave.
@@ -91,7 +92,7 @@ impl DistributedElimination {
         &self.dofs
     }
 
-    /// The masters that this rank owns, ascending. Its vector u_q has one entry for each.
+    /// The masters that this rank owns, ascending. The vector u_q of this rank has one entry for each.
     pub fn masters(&self) -> &[u64] {
         &self.masters
     }
@@ -134,7 +135,7 @@ impl DistributedElimination {
         self.spread(ranks, masters, u, |i| self.constants[i]);
     }
 
-    /// Increments, `du = L du_q`: those of prescribed DOFs are zero. Collective.
+    /// Computes increments, `du = L du_q`. Increments of prescribed DOFs are zero. Collective.
     ///
     /// # Panics
     /// As [`DistributedElimination::expand_into`].

@@ -23,7 +23,7 @@ pub enum Error {
     Options {
         /// The first rank that differs from rank 0.
         rank: usize,
-        /// The first setting in which this rank differs.
+        /// The first setting in which this rank differs from rank 0.
         setting: OptionName,
     },
     /// The share of a rank is not valid.
@@ -47,12 +47,12 @@ pub enum Error {
     /// The serial analysis of the equations assigned to a rank failed.
     #[error("rank {rank}: {message}")]
     Failed {
-        /// The rank on which it failed.
+        /// The rank on which the analysis failed.
         rank: usize,
         /// The text of the error.
         message: String,
     },
-    /// Equations contradict others, so no u satisfies them.
+    /// Equations contradict one another, so that no u satisfies all of them.
     #[error("{count} equations contradict others, among them equation {first}; correct them")]
     Conflicting {
         /// The number of conflicting equations.

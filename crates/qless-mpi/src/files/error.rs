@@ -29,7 +29,7 @@ pub enum CaseError {
     },
 }
 
-/// Kinds that are sent to other ranks; all others are sent as the last.
+/// Kinds of system errors that are sent to other ranks as they are. Any other kind is sent as the last one of this list.
 const KINDS: [ErrorKind; 7] = [
     ErrorKind::NotFound,
     ErrorKind::PermissionDenied,

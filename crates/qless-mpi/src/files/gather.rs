@@ -58,8 +58,8 @@ pub struct Facts {
 }
 
 impl Case {
-    /// Gathers the findings on the first rank, and the certificates as long as they have at most `terms` terms in total; conflicting
-    /// equations come first. The result is empty on the other ranks. Collective.
+    /// Gathers the findings on the first rank. Also gathers certificates, those of conflicting equations first, as long as they have at
+    /// most `terms` terms in total. The result is empty on the other ranks. Collective.
     pub fn gather(&self, ranks: &dyn Ranks, analysis: &Analysis, terms: usize) -> GatheredFindings {
         let mut found = GatheredFindings {
             dependent: self.heads(ranks, analysis),

@@ -85,7 +85,7 @@ impl Ranks for ThreadRank {
     }
 
     fn exchange(&self, messages: Vec<Message>) -> Vec<Message> {
-        // The last word indicates whether there is a message.
+        // Every rank gets some words. The last of them says whether a message precedes it.
         let mut out = vec![vec![0]; self.size()];
         for Message { rank, mut words } in messages {
             words.push(1);

@@ -81,7 +81,7 @@ pub enum ShareError {
         dof: u64,
         /// The value on the rank that comes first.
         first: f64,
-        /// The other value.
+        /// The second value, which differs from the first.
         second: f64,
     },
     /// Two equations have the same number.

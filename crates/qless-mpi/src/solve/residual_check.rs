@@ -13,8 +13,8 @@ use crate::share::ShareRows;
 /// values of its terms.
 type ResidualSums = [(f64, f64); 3];
 
-/// The largest residual of the peeled equation with the row `made`, relative to the sum of the absolute values of its terms; infinite if it
-/// is not a number.
+/// Inserts the row `made` into the peeled equation. Returns the largest of three residuals: that of the terms of T, of G, and of the
+/// constants. Each is relative to the sum of the absolute values of its terms. Infinite if one is not a number.
 pub(crate) fn residual(
     peel: Peel,
     rows: &ShareRows,

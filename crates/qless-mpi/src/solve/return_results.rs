@@ -15,11 +15,13 @@ pub struct DistributedDependent {
     pub equation: usize,
     /// Whether the equation is redundant or conflicting.
     pub kind: Kind,
-    /// `b_k - sum c_i b_i` in the units of the equation, prescribed DOFs moved into b.
+    /// `b_k - sum c_i b_i` for this equation k, in its units. The c_i are the coefficients of the certificate, and b are the right-hand
+    /// sides with the prescribed DOFs moved into them.
     pub mismatch: f64,
     /// The mismatch relative to its largest term; 0 if it is within rounding.
     pub relative_mismatch: f64,
-    /// The remainder of the equation that was treated as zero, relative to the equation; 0 if it is within rounding.
+    /// What remains of the equation after its certificate is subtracted, relative to the equation. The analysis treated it as zero. It is 0
+    /// if it is within rounding.
     pub dropped: f64,
     /// The certificate `row_k = sum c_i row_i` over free DOFs, ascending by equation number. The equations may be of any rank.
     pub because: Vec<DistributedCertificateTerm>,

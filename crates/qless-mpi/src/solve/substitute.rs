@@ -17,8 +17,9 @@ const HARDLY: f64 = 1e-6;
 /// Largest 2-norm of a sound row of T. The serial analysis rejects rows whose slave exceeds 1e3 for random masters up to 1; this is ten
 /// times less.
 const STEEP: f64 = 100.0;
-/// Largest 2-norm of the coefficients of slaves in a sound row. Rows of `C_S^-1` of these slaves are at most 1e3, so they can move the
-/// slave of the peeled equation by up to about 5e3. The serial analysis rejects slaves that move more than 3e4 for random right-hand sides.
+/// Largest 2-norm of the coefficients of slaves in a sound row. These slaves can move the slave of the peeled equation by at most about
+/// 5e3: the rows of the inverse of their own square matrix `C_S` are at most 1e3. The serial analysis rejects slaves that move more than
+/// 3e4 for random right-hand sides.
 const HEAVY: f64 = 5.0;
 
 /// Solves a peeled equation for its slave, and appends the row of T, G and g to `into`. Returns whether the row is sound.

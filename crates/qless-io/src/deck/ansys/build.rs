@@ -35,8 +35,8 @@ pub fn node_sets(deck: &Deck) -> HashMap<String, Vec<u32>> {
     groups.into_iter().map(|(name, ranges)| (name, nodes(ranges))).collect()
 }
 
-/// Adds equations and load cases to the model of a reader. Returns the owner of each equation if the reader keeps the places of commands,
-/// otherwise none.
+/// Adds equations and load cases to the model of a reader. If the reader keeps the places of commands, returns the owner of each equation:
+/// the command or set that makes it. Otherwise returns an empty list.
 pub fn fill(reader: &mut AnsysReader) -> Result<Vec<CommandOwner>, DeckError> {
     check_complete(reader)?;
     let (owners, lives) = push_equations(reader);
@@ -124,7 +124,7 @@ impl EquationPusher<'_> {
         }
     }
 
-    /// Records the owner of the last equation, and the load steps in which it holds.
+    /// Records the owner of the equation that was added last, and the load steps in which it holds.
     fn note_origin(&mut self, owner: CommandOwner, first: u32, last: u32) {
         if self.keeps_owners {
             self.pushed.0.push(owner);

@@ -60,7 +60,8 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
 /// One comment for each removed equation, coupled set or region.
 fn comments(model: &Model, plan: &Plan, owners: &[CommandOwner]) -> FxHashMap<CommandOwner, String> {
     let mut chosen: FxHashMap<CommandOwner, &Removed> = FxHashMap::default();
-    // Several reasons may remove equations of one owner. Its own fault is the best explanation, then a connection to a faulty equation.
+    // Equations of one owner may be removed for several reasons. The comment names one: preferably a fault of an equation, else a
+    // connection to a faulty equation.
     let weight = |reason: &Reason| match reason {
         Reason::Redundant(_) => 0,
         Reason::Connected => 1,
@@ -161,7 +162,7 @@ fn bits((dof, value): (Dof, f64)) -> ExactTerm {
 fn terms_of(model: &Model, i: usize) -> (Vec<ExactTerm>, u64) {
     let equation = model.nth(i);
     let terms = equation.columns.iter().map(|&j| model.dofs[j as usize]).zip(equation.coefficients.iter().copied());
-    // Adding 0 makes -0 equal to 0.
+    // Adding 0 turns -0 into 0, so that both have the same bits.
     (terms.map(bits).collect(), (equation.rhs + 0.0).to_bits())
 }
 
@@ -174,11 +175,11 @@ fn comment(model: &Model, removed: &Removed) -> String {
 /// How new equations are numbered; their numbers must be unused.
 #[derive(Clone, Copy)]
 enum NewNumbers {
-    /// The numbers above this highest number. The equations have the format of an archive with this tag.
+    /// New equations get the numbers above this highest one. They are written as in an archive with this tag, such as `R5.0`.
     Archive(u32, &'static str),
-    /// The numbers above this highest number. The equations are written as plain commands.
+    /// New equations get the numbers above this highest one. They are written as plain commands.
     From(u32),
-    /// `NEXT` in place of a number, because only ANSYS knows which numbers are used.
+    /// New equations get `NEXT` in place of a number, because only ANSYS knows which numbers are used.
     Next,
 }
 
@@ -220,7 +221,7 @@ fn in_archive(written: &Written, number: u32, tag: &str) -> String {
     std::iter::once(head).chain(terms.chunks(2).map(line)).collect()
 }
 
-/// Plain `CE` commands with up to three terms each. `first` is the number field of the first command, and `others` that of all further
+/// Plain `CE` commands with up to three terms each. `first` is the text of the number field in the first command, `others` in all further
 /// ones.
 fn as_commands(written: &Written, first: &str, others: &str) -> String {
     let term = |(dof, value): &(Dof, f64)| format!(",{},{},{value:?}", dof.node, label::name(dof.component));

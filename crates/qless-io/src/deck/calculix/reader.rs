@@ -64,7 +64,7 @@ struct CalculixReader {
     sectors: Vec<KeywordCard>,
     cyclic: Vec<KeywordCard>,
     steps: usize,
-    /// Whether a `*BOUNDARY` card has occurred in the current step, or, before the first step, at all.
+    /// Whether a `*BOUNDARY` card has occurred in the current step. Before the first step: whether any has occurred.
     has_boundary: bool,
     in_step: bool,
 }

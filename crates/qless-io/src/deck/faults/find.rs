@@ -121,8 +121,8 @@ fn circles(model: &Model, slave_of: &FxHashMap<u32, usize>) -> Vec<EquationFault
     circle.into_iter().map(|i| EquationFault { equation: i, slave: slave(i), kind: FaultKind::Circle }).collect()
 }
 
-/// Removes equations from `left` until each equation left waits for another one that is left. A pair `(i, j)` says that equation i waits
-/// for equation j.
+/// A pair `(i, j)` says that equation i waits for equation j. Removes every equation from `left` that waits for no equation in `left`,
+/// until all that remain wait for one.
 fn keep_waiting(left: &mut FxHashSet<usize>, pairs: impl Iterator<Item = (usize, usize)>) {
     let mut waits: FxHashMap<usize, usize> = FxHashMap::default();
     let mut users: FxHashMap<usize, Vec<usize>> = FxHashMap::default();

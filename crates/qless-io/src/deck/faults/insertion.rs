@@ -69,7 +69,8 @@ fn collected(terms: impl Iterator<Item = (u32, f64)>) -> TermList {
     row
 }
 
-/// Replaces the term at index `at` of `row`: its DOF is the slave of `equation`, which is solved for it.
+/// Replaces the term at index `at` of `row`, whose DOF is the slave of `equation`. The other terms of `equation`, solved for this DOF, take
+/// its place.
 fn inserted(row: &TermList, at: usize, equation: &TermList) -> TermList {
     let factor = -row[at].1 / equation[0].1;
     let instead = equation[1..].iter().map(|&(j, a)| (j, factor * a));

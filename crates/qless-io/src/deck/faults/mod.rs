@@ -13,9 +13,9 @@ use crate::deck::{Dof, LoadCase, Model, Origin};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub struct EquationFault {
-    /// The index of the equation, from 0. If a coupled set or a circle is at fault, one of its equations.
+    /// The index of the equation, from 0. If a coupled set or a circle is at fault, this is one of its equations.
     pub equation: usize,
-    /// The slave of the equation, or the DOF of the coupled set.
+    /// The slave of the equation, or the faulty DOF of the coupled set.
     pub slave: Dof,
     /// The kind of the fault.
     pub kind: FaultKind,
@@ -61,7 +61,7 @@ pub enum FaultKind {
     },
     /// The solver makes no equation from the card.
     Missing {
-        /// Why the solver makes none.
+        /// Why the solver makes no equation.
         why: &'static str,
     },
     /// Slaves depend on one another in a circle. Their equations hardly determine them, or a slave cancels when the solver inserts the

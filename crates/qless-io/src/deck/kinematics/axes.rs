@@ -89,7 +89,7 @@ fn spherical([a, b, c]: Vector, size: f64) -> [Vector; 3] {
     [[sin * cos_phi, sin * sin_phi, cos], [cos * cos_phi, cos * sin_phi, -sin], [-sin_phi, cos_phi, 0.0]]
 }
 
-/// The vector `(a, b)` scaled to length 1. If a and b are only rounding errors of coordinates of this size, `(1, 0)`.
+/// The vector `(a, b)` scaled to length 1. If a and b are no more than rounding errors of coordinates of this `size`, returns `(1, 0)`.
 fn direction(a: f64, b: f64, size: f64) -> [f64; 2] {
     let radius = a.hypot(b);
     if radius <= 16.0 * f64::EPSILON * size { [1.0, 0.0] } else { [a / radius, b / radius] }

@@ -15,9 +15,9 @@ pub struct DenseFactor {
     columns: Vec<usize>,
 }
 
-/// A pivot counts as zero up to this fraction of the largest entry.
+/// A pivot counts as zero if it is at most this fraction of the largest entry of the matrix.
 const SINGULAR: f64 = 1e-10;
-/// Largest residual of the equations without a pivot, relative to the largest right-hand side, at which a solution exists.
+/// `A x = b` has a solution if the equations without a pivot leave residuals of at most this fraction of the largest entry of b.
 const CONSISTENT: f64 = 1e-9;
 
 impl DenseFactor {

@@ -167,8 +167,8 @@ pub fn partial_mean(element: &MeanElement, poses: &impl Poses) -> Result<Vec<Cou
     own.iter().enumerate().map(equation).collect()
 }
 
-/// The factor of `D S D`, where `S = sum w a^T a`. The diagonal matrix D makes the diagonal of the product ones, because rotations may
-/// weigh far more than translations.
+/// The factors of `D S D`, where `S = sum w a^T a` over components with weight w and motion row a. D is a diagonal matrix that makes the
+/// diagonal of the product ones. Without D, rotations might weigh far more than translations.
 struct ScaledNormal {
     factor: DenseFactor,
     /// The diagonal of D.

@@ -21,7 +21,7 @@ pub struct MasterFace {
 pub struct NearestPoint {
     pub face: usize,
     pub distance: f64,
-    /// The values of the shape functions at that point, one for each node of the face.
+    /// The values of the shape functions at the nearest point, one for each node of the face.
     pub weights: Vec<f64>,
 }
 
@@ -49,7 +49,7 @@ impl MasterFace {
         Ok(Self { nodes, points, shape })
     }
 
-    /// The shorter diagonal of a quadrilateral with these corners, or the shorter side at the last corner of a triangle.
+    /// The shorter diagonal of a quadrilateral, or the shorter side at the last corner of a triangle.
     pub fn least_diagonal(&self) -> f64 {
         let corner = |k: usize| self.points[k.min(self.points.len() - 1)];
         length(minus(corner(0), corner(2))).min(length(minus(corner(1), corner(3))))
@@ -84,7 +84,7 @@ impl MasterFace {
                 [p / a.max(f64::MIN_POSITIVE), 0.0]
             };
             xi = self.shape.inside([xi[0] + step[0], xi[1] + step[1]]);
-            // Compares parameters that are clamped to the face: on its edge, only the part of the step along the edge counts.
+            // The parameters were clamped to the face before. So a step that leads off the face counts only with its part along the edge.
             if (xi[0] - before[0]).abs() + (xi[1] - before[1]).abs() < 1e-14 {
                 break;
             }

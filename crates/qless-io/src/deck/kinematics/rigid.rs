@@ -74,7 +74,7 @@ impl RigidElement {
     }
 }
 
-/// The six independent components, with the transpose of their matrix A_n factored. `size` converts rotations to lengths.
+/// The six independent components, with the factors of `A_n^T`: A_n holds their motion rows. `size` converts rotations to lengths.
 struct IndependentBody {
     components: Vec<Dof>,
     origin: Vector,

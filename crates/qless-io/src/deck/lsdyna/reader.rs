@@ -46,10 +46,10 @@ struct LsDynaReader {
 /// How a card is read: the number of lines in a group, without its title, and the function that reads the group.
 type CardReader = (usize, ReadGroup);
 
-/// Number of lines that stands for a card that is one single group.
+/// Stands in place of a number of lines for cards that are one single group.
 const WHOLE: usize = usize::MAX;
 
-/// What a message says is left out if the lines that follow are not understood either.
+/// Ends the message about a group that is left out, if the rest of the card is left out too because its lines are not understood.
 const REST: &str = "left out, with the rest of the card";
 
 /// How a card with this keyword is read; `None` for other keywords. The name comes without `_ID` and `_TITLE`. For the lines of a `*PART`,

@@ -44,7 +44,7 @@ pub struct DeckEquation<'a> {
 pub struct Prescribed {
     /// The DOF.
     pub dof: Dof,
-    /// The value at the end of the load case. At any time it is this value times the time history.
+    /// The value at the end of the load case. At any time, the DOF has this value times that of the time history.
     pub value: f64,
     /// The time history, as an index into [`Model::histories`](super::Model::histories).
     pub history: u32,

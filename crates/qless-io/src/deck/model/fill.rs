@@ -16,7 +16,7 @@ impl Model {
 
     /// Frees unused memory for DOFs: `reserve` allows one DOF for each term, but usually there are fewer.
     pub(crate) fn shrink(&mut self) {
-        // A small gain is not worth the copy.
+        // Shrinking copies the list, which is not worth a small gain in memory.
         if self.dofs.len() < self.dofs.capacity() / 2 {
             self.dofs.shrink_to_fit();
         }

@@ -34,9 +34,9 @@ pub struct Model {
     /// The names of the time histories, without the first one, which has no name.
     histories: Vec<String>,
     names: NodeNames,
-    /// DOFs that cards may claim which are left out, ascending.
+    /// DOFs that left out cards may claim, ascending, each with the origin of its card.
     left_out_claims: Vec<(Dof, Origin)>,
-    /// DOFs that cards claim, so that they cannot be slaves; ascending.
+    /// DOFs that cards claim, each with the origin of its card, so that they cannot be slaves; ascending.
     claims: Vec<(Dof, Origin)>,
     /// Nodes with local axes. If a value is prescribed at such a node, the slaves that ccx chooses there cannot be predicted.
     pub(crate) nodes_with_axes: BTreeSet<u32>,
@@ -144,7 +144,7 @@ impl Model {
         self.columns.get(dof)
     }
 
-    /// The card, with its line, that claims a DOF which therefore cannot be a slave, such as Nastran's `ASET`. `None` if no card does.
+    /// The card that claims a DOF, such as Nastran's `ASET`, and its line. A claimed DOF cannot be a slave. `None` if no card claims it.
     pub fn claimed(&self, dof: Dof) -> Option<Origin> {
         self.claims.binary_search_by_key(&dof, |(claimed, _)| *claimed).ok().map(|at| self.claims[at].1)
     }

@@ -33,7 +33,7 @@ impl Model {
     }
 
     /// The line and the card of an origin: `line 41 *EQUATION` in the main file, `part.inc:41 *EQUATION` in an included file. If the card
-    /// is not in this model, the line alone.
+    /// is not in this model, gives the line alone.
     pub fn place(&self, origin: Origin) -> String {
         let Some(card) = self.cards.get(origin.card) else { return format!("line {}", origin.line) };
         let path = self.files.get(card.file as usize).map(PathBuf::as_path);

@@ -14,8 +14,8 @@ const NONE: u32 = u32::MAX;
 pub(super) struct ColumnMap {
     pages: FxHashMap<(u32, u8), u32>,
     entries: PagedList<[u32; PAGE as usize]>,
-    /// The pages that were used last, by position of the term in its equation and by component. The next equation often uses the same
-    /// pages.
+    /// Recently used pages with their keys. The place of a page in this list follows from the position of the term in its equation and from
+    /// the component, because the next equation often uses the same pages.
     last: [Option<((u32, u8), u32)>; 16],
 }
 

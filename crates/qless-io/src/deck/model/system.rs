@@ -88,7 +88,7 @@ impl Model {
             Some(j) => Some(j as usize),
             None => extra.binary_search(&dof).ok().map(|k| self.dofs.len() + k),
         };
-        // A system needs at least one DOF. A deck without constraints gets a free one.
+        // A system needs at least one DOF, so a deck without constraints gets a free DOF.
         let dofs = self.dofs.len() + extra.len();
         let mut builder = SystemBuilder::new(dofs.max(1));
         for i in self.in_force(case) {

@@ -24,7 +24,8 @@ const DEPENDENT: usize = 1_000_000;
 /// Limit on the number of operations of a search, for the same reason: it must not take longer than the analysis.
 const OPERATIONS: usize = 50_000_000;
 
-/// A remainder below this fraction of the largest entry of its row is a rounding error.
+/// The stored rows are subtracted from a new row. A number that is then below this fraction of the largest original number of the row is a
+/// rounding error.
 const ROUNDING: f64 = 1e-9;
 
 /// A key for the text line of an equation: equations with the same key come from the same line. An Abaqus part is read once for each
@@ -110,8 +111,8 @@ pub fn kept_by_edits(
     (!kept.is_empty() && echelon.operations < OPERATIONS).then_some(kept)
 }
 
-/// The nonzero rows of the matrix N of dependencies (see the head of this file), by row of the analysis. They belong to equations scaled by
-/// their largest coefficients.
+/// The nonzero rows of the matrix N of dependencies (see the head of this file), by row of the analysis. Each equation counts as divided by
+/// its largest coefficient.
 struct Dependencies {
     rows: FxHashMap<usize, Vec<(usize, f64)>>,
     count: usize,
@@ -133,7 +134,8 @@ impl Dependencies {
         (1..=DEPENDENT).contains(&dependent.len()).then_some(Self { rows, count: dependent.len() })
     }
 
-    /// The equations to keep. Only groups count in which edits drop as many equations as are dependent.
+    /// The equations to keep. Dependencies that share equations form a group. An equation is kept by this choice only if its group loses as
+    /// many equations by edits as it has dependencies.
     fn kept(&self, dropped: &FxHashSet<usize>) -> Vec<usize> {
         let mut sets = DisjointSets::new(self.count);
         self.rows.values().for_each(|row| row.iter().for_each(|(k, _)| sets.join(row[0].0, *k)));
@@ -151,7 +153,7 @@ struct Echelon {
     rows: Vec<(usize, Vec<(usize, f64)>)>,
     /// For each column, the index in `rows` of the row that has its pivot there.
     of_pivot: Vec<Option<usize>>,
-    /// The row that is being reduced: its number in each column, and the columns that have or had an entry.
+    /// The row that is being reduced: its value in each column, and in `columns` the columns that have or had an entry.
     values: Vec<Option<f64>>,
     columns: Vec<usize>,
     operations: usize,

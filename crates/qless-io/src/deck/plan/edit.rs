@@ -34,7 +34,7 @@ impl Edits {
     }
 }
 
-/// Where the line starts that comes `lines` lines after the one at `at`.
+/// The byte at which a line starts: the one that is `lines` lines below the line that starts at byte `at`.
 fn skip(text: &[u8], at: usize, lines: u32) -> usize {
     let mut ends = memchr::memchr_iter(b'\n', &text[at..]);
     match lines {
@@ -43,8 +43,7 @@ fn skip(text: &[u8], at: usize, lines: u32) -> usize {
     }
 }
 
-/// Appends a text whose lines end in `
-/// `. If `crlf` is true, the appended lines end in CRLF.
+/// Appends a text whose lines end in LF. If `crlf` is true, the appended lines end in CRLF.
 fn append(result: &mut Vec<u8>, text: &[u8], crlf: bool) {
     for &byte in text {
         if byte == b'\n' && crlf {

@@ -51,9 +51,9 @@ pub enum CleanError {
     Doubtful {
         /// The name of the load case.
         case: String,
-        /// The line and card of an equation with such a number, or the name of the load case.
+        /// The line and card of an equation with a coefficient that may be a rounding error, or the name of the load case.
         place: String,
-        /// The DOF and the coefficient of a term of this equation, if a single coefficient decides.
+        /// If a single coefficient decides the rank: the DOF of its term, and the coefficient.
         term: Option<(String, f64)>,
         /// Two ranks: with the numbers as given, and without those that may be rounding errors.
         ranks: (usize, usize),

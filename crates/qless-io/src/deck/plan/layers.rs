@@ -21,11 +21,11 @@ pub type PrescribedColumns = FxHashMap<u32, Origin>;
 /// A group of load cases: all up to `last`. `prescribed` holds the DOFs that any of them prescribes. The equations kept in all these load
 /// cases are independent even without the columns of these DOFs.
 pub struct Layer {
-    /// The index of the last load case.
+    /// The index of the last load case of the group.
     pub last: usize,
-    /// The name of the last load case.
+    /// The name of the last load case of the group.
     pub name: String,
-    /// The columns that any of the load cases prescribes.
+    /// The columns that any load case of the group prescribes.
     pub prescribed: PrescribedColumns,
 }
 
@@ -37,7 +37,7 @@ pub struct KeptEquations<'a> {
     explains: bool,
     /// The layers. The first one ends with the last load case.
     pub layers: Vec<Layer>,
-    /// For each equation, the layer up to whose last load case it is kept; `None` if it is dependent.
+    /// For each equation, the index of its layer: the equation is kept up to the last load case of this layer. `None` if it is dependent.
     pub layer_of: Vec<Option<usize>>,
     /// For each dependent equation, the kept equations and coefficients of which it is a combination. Empty if the plan needs no
     /// explanations.
@@ -131,7 +131,8 @@ impl<'a> KeptEquations<'a> {
         gains
     }
 
-    /// Records the certificate of a dependent equation. The one from the last load case in which the equation holds is kept.
+    /// Records the certificate of a dependent equation, unless it has one already. Load cases are treated from last to first, so the
+    /// certificate is that of the last load case in which the equation holds.
     fn note(&mut self, i: usize, rows: &[usize], analysis: &Analysis) {
         let Ok(row) = rows.binary_search(&i) else { return };
         self.because.entry(i).or_insert_with(|| {

@@ -53,7 +53,7 @@ pub enum Reason {
     Redundant(Vec<(usize, f64)>),
     /// The equation is rewritten because it has this fault.
     Fault(EquationFault),
-    /// The equation is rewritten because another equation of its connected component is.
+    /// The equation is rewritten because another equation of its connected component is rewritten.
     Connected,
 }
 
@@ -62,7 +62,7 @@ pub enum Reason {
 pub struct Written {
     /// The slave, whose coefficient is 1.
     pub slave: Dof,
-    /// The other terms, a_j with the DOF of u_j: first masters, then prescribed DOFs.
+    /// The terms besides the slave: each coefficient a_j with the DOF of u_j. Masters come first, then prescribed DOFs.
     pub terms: Vec<(Dof, f64)>,
     /// The right-hand side.
     pub rhs: f64,

@@ -70,7 +70,8 @@ impl KeptEquations<'_> {
         }
     }
 
-    /// The equations of those lines that cannot be edited: dropping one equation there would also drop others that are kept longer.
+    /// The equations that share an edit (a text line or a slave node) with an equation that ends in another load case, or that is dropped
+    /// altogether. The edit cannot be made, because it drops all of its equations at once.
     fn split_lines(&self) -> impl Iterator<Item = usize> + '_ {
         let mut kept: FxHashMap<_, Option<usize>> = FxHashMap::default();
         let mut split = FxHashSet::default();

@@ -62,7 +62,7 @@ fn plan_groups(deck: &Deck, options: PlanOptions) -> Result<Plan, CleanError> {
     Ok(Plan { removed, written, ended: Vec::new() })
 }
 
-/// Makes the plan for one load case alone. It leaves equations alone that do not hold in this load case.
+/// Makes the plan for one load case alone. Equations that do not hold in this load case stay as they are.
 fn plan_group(deck: &Deck, case: &LoadCase, options: PlanOptions) -> Result<Plan, CleanError> {
     let mut plan = plan_for(deck, std::slice::from_ref(case), options)?;
     plan.removed.retain(|removed| case.removed.binary_search(&(removed.equation as u32)).is_err());

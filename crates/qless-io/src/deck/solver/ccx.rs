@@ -9,7 +9,7 @@ use rustc_hash::FxHashMap;
 use super::{CardKind, Outcome};
 use crate::deck::{Dof, LoadCase, Model};
 
-/// When ccx treats cards of this kind: in the order of these numbers, regardless of their place in the deck.
+/// The position of cards of this kind in the order in which ccx treats cards. Their place in the deck does not matter.
 fn order_of(kind: CardKind) -> u8 {
     match kind {
         CardKind::Kinematic => 0,
@@ -100,8 +100,8 @@ fn named(model: &Model, equation: usize, is_mpc: bool) -> Vec<Dof> {
     dofs.flat_map(|dof| directions.clone().map(move |component| Dof { component, ..dof })).collect()
 }
 
-/// Slaves that `*KINEMATIC` adds, each with the first equation of its card. They are the rotations of the reference node: these follow the
-/// rotations of a node that ccx adds, which can be prescribed.
+/// Slaves that `*KINEMATIC` adds, each with the first equation of its card. They are the rotations of the reference node. ccx makes them
+/// follow the rotations of a node that it adds, and these can be prescribed.
 pub fn rotations(model: &Model) -> Vec<(Dof, usize)> {
     let mut rotations = Vec::new();
     let mut last = None;

@@ -22,7 +22,7 @@ pub struct Loss {
 }
 
 impl Loss {
-    /// Whether the solver drops an equation or a value because of the finding, and this is lost.
+    /// Whether the solver drops an equation or a value because of the finding, and this loss contains that equation or value.
     pub fn contains(&self, finding: &Finding) -> bool {
         let is_lost = |i| self.equations.binary_search(&i).is_ok();
         let is_value = |dof| self.values.binary_search(&dof).is_ok();

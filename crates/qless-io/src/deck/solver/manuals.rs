@@ -56,7 +56,7 @@ pub fn optistruct(kinds: &[CardKind]) -> Outcome {
 /// Which equations ANSYS can eliminate.
 pub struct Eliminations {
     is_eliminated: Vec<bool>,
-    /// For the card of each coupled set, the columns in it that are prescribed.
+    /// For each card, such as that of a coupled set, the columns of its equations that are prescribed.
     prescribed: FxHashMap<u32, FxHashSet<u32>>,
 }
 

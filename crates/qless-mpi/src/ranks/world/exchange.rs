@@ -20,8 +20,8 @@ use super::fault::EndOnPanic;
 use super::patience::{self, Patience};
 use super::{Message, World};
 
-/// Tags of `exchange`, used alternately. A rank may begin the next call while a slower one still receives messages of this one, but no rank
-/// gets two calls ahead.
+/// Tags of `exchange`, used alternately. A rank may begin the next call while a slower rank still receives messages of the current one. No
+/// rank gets two calls ahead.
 const ROUND_TAGS: [Tag; 2] = [0, 1];
 /// One tag is enough for messages from known senders, because MPI delivers the messages of one sender in order.
 const KNOWN_TAG: Tag = 2;

@@ -25,7 +25,7 @@ pub struct CoupledSet {
     known: FxHashSet<u32>,
     /// The line on which the set begins.
     pub line: u32,
-    /// The line that names its last node.
+    /// The line that names the last node of the set.
     pub last_line: u32,
     /// The number of nodes that an archive command announces for the set.
     promised: Option<usize>,
@@ -162,7 +162,8 @@ impl CoupledSets {
         Ok(number)
     }
 
-    /// Returns the set of this number, and creates it if necessary. Field `at` is its label, which may be blank for an existing set.
+    /// Returns the set of this number, and creates it if necessary. Field `at` holds the label of its component, such as `UX`. The field
+    /// may be blank for an existing set.
     fn open(&mut self, command: &AnsysCommand, number: u32, at: usize) -> Result<&mut CoupledSet, FieldFault> {
         let known = self.sets.get_mut(number).is_some();
         let component = if known && command.field(at).is_empty() { None } else { Some(component(command, at)?) };

@@ -28,7 +28,7 @@ pub struct CeEquation {
     pub constant: f64,
     /// The line on which the equation begins.
     pub line: u32,
-    /// The line of its last term.
+    /// The line of the equation's last term.
     pub last_line: u32,
     /// The number of terms that an archive command announces for the equation.
     promised: Option<u32>,
@@ -51,10 +51,10 @@ impl StartsAt for CeEquation {
 pub struct NodeRegion {
     /// `CERIG` or `RBE3`.
     pub name: &'static str,
-    /// Master node.
+    /// The master node, which field 1 of the command names.
     pub node: u32,
     pub line: u32,
-    /// The first and the last number of its equations.
+    /// The number of the first equation that the region generates. `last` is that of the last one.
     pub first: u32,
     pub last: u32,
 }

@@ -5,7 +5,7 @@ use crate::deck::ansys::model::numbered::NumberedSets;
 use crate::deck::ansys::syntax::command::AnsysCommand;
 use crate::deck::ansys::syntax::field::{FieldFault, expected, range, whole};
 
-/// How many more terms, nodes or numbered items the removals and deletions may visit.
+/// The number of terms, nodes or numbered items that further removals and deletions may visit.
 #[derive(Clone, Copy, Debug)]
 pub struct SearchBudget(usize);
 

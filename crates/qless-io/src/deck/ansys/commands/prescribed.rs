@@ -54,7 +54,7 @@ pub fn dof_command(
     Ok(DofCommand { action, nodes, components, remark })
 }
 
-/// The value that `D` prescribes. A remark follows if the value is a table or a complex number.
+/// The value that `D` prescribes. If the value is a table or a complex number, also returns a remark for the user.
 fn prescribed(command: &AnsysCommand) -> Result<(EventAction, Option<String>), FieldFault> {
     if let Some(name) = command.field(3).strip_prefix(b"%") {
         let table = String::from_utf8_lossy(name.strip_suffix(b"%").unwrap_or(name)).to_ascii_uppercase();
@@ -84,7 +84,8 @@ pub fn load(
     Ok(Some(DofCommand { action, nodes, components, remark: None }))
 }
 
-/// The nodes that the command names: first in field 1, last in field `end`, step in the field after it; or `ALL` or a group in field 1.
+/// The nodes that the command names. Field 1 holds the first node, field `end` the last one, and the field after `end` the step; or field 1
+/// holds `ALL` or the name of a group.
 fn node_choice(
     command: &AnsysCommand,
     end: usize,

@@ -25,7 +25,8 @@ const EQUATIONS: usize = 5_000_000;
 /// Limit on the slaves of an `RBE3`: each of its equations contains all slaves.
 const SLAVES: usize = 500_000;
 
-/// Limit on the coefficients of an equation. With a longer arm, the coefficient 1 of a translation would be no more than a rounding error.
+/// Limit on the coefficients of an equation. Some of them are the arms between nodes. Beside a longer arm, the coefficient 1 of a
+/// translation would be no more than a rounding error.
 const ARM: f64 = 1e15;
 
 /// The equations of a `CERIG` or `RBE3`, or the reason why there are none.

@@ -129,7 +129,7 @@ impl<'a> EventReplay<'a> {
         Self { nodes, components, ..Self::without_nodes(groups) }
     }
 
-    /// A replay for decks without commands on DOFs: it needs no list of nodes.
+    /// Makes a replay for a deck in which no command acts on DOFs. Such a replay needs no list of nodes.
     fn without_nodes(groups: &'a AnsysNodes) -> Self {
         let (prescribed, loads) = (BTreeMap::new(), BTreeMap::new());
         let (nodes, components, cases) = (Vec::new(), Vec::new(), Vec::new());
@@ -152,7 +152,7 @@ impl<'a> EventReplay<'a> {
                     self.node(event, history, node, components);
                 }
             }
-            // A command that names one node alone also applies if neither the deck nor an equation defines this node.
+            // A command for a single node applies even if neither the deck nor an equation defines this node.
             if first == last && self.nodes.binary_search(&first).is_err() {
                 self.node(event, history, first, components);
             }

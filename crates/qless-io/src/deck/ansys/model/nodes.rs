@@ -97,7 +97,7 @@ impl AnsysNodes {
             return Ok(());
         }
         if text.is_empty() {
-            // Without a number, ANSYS numbers the node one above its highest node. This reader may not know that node.
+            // If the command gives no number, ANSYS takes the number after its highest one. This reader may not know that number.
             self.are_generated = true;
             return Ok(());
         }

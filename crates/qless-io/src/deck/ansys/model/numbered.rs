@@ -10,7 +10,7 @@ use crate::deck::paged_list::PagedList;
 /// Equations or coupled sets, each with its number.
 #[derive(Debug)]
 pub struct NumberedSets<T> {
-    /// Items in ascending order of numbers; `None` marks a removed one. The last one is never removed.
+    /// Items in ascending order of numbers; `None` marks a removed item. The last entry is never `None`.
     list: PagedList<(u32, Option<T>)>,
     /// Number of `None` in `list`.
     removed: usize,
@@ -83,7 +83,8 @@ impl<T> NumberedSets<T> {
         let removed = self.index(number).and_then(|index| self.list[index].1.take());
         self.removed += usize::from(removed.is_some());
         let removed = removed.or_else(|| self.late.remove(&number));
-        // Compacts the list if more than half of its items are removed. This bounds the time to skip them.
+        // Drops removed items at the end of the list. If more than half of all items are removed, drops all removed ones, which bounds the
+        // time to skip them.
         if 2 * self.removed > self.list.len() || self.list.last().is_some_and(|(_, value)| value.is_none()) {
             self.compact();
         }

@@ -156,8 +156,8 @@ impl AnsysReader {
     }
 }
 
-/// Whether parameters in the fields of a command are replaced by their values here. Fields of `RBE3` may name arrays, which `RBE3` itself
-/// resolves.
+/// Whether parameters in the fields of a command are replaced by their values before the command is executed. Those of `RBE3` are not: it
+/// resolves its own fields, which may name arrays.
 fn is_read(key: CommandKey) -> bool {
     const READ: [&CommandKey; 14] = [
         b"CE  ", b"CECM", b"CEDE", b"CP  ", b"CPDE", b"CERI", b"D   ", b"DDEL", b"F   ", b"FDEL", b"N   ", b"NSEL",

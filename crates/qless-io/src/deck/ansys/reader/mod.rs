@@ -39,7 +39,7 @@ pub enum CommandOwner {
     Equation(u32),
     Coupled(u32),
     Region(usize),
-    /// Several of these owners, or none.
+    /// The command belongs to several equations or sets, or to none.
     Other,
 }
 
@@ -187,7 +187,8 @@ impl AnsysReader {
                 let next = (commands.len() == 1).then_some(below);
                 commands.into_iter().try_for_each(|command| match self.control.jump {
                     None => self.command(command, next),
-                    // A loop jumps back after this line. Commands that follow its end on the line are executed after the last iteration.
+                    // A command on this line has closed a loop, so reading continues at the start of the loop. The rest of this line is
+                    // executed after the last iteration.
                     Some(_) => Ok(()),
                 })
             }

@@ -117,7 +117,7 @@ fn split(text: &[u8]) -> Vec<Cow<'_, [u8]>> {
 
 /// The end of each command on a line: a `$`, or the `!` or line end after the last command. Characters between quotes do not count.
 fn ends(text: &[u8]) -> Vec<usize> {
-    // An odd number of quotes means that they are apostrophes.
+    // If the number of quotes is odd, they are apostrophes and do not enclose a text.
     let quotes = memchr::memchr_iter(b'\'', text).count().is_multiple_of(2);
     let mut ends = Vec::new();
     let mut quoted = false;

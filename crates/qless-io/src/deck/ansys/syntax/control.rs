@@ -81,8 +81,8 @@ impl FlowControl {
         !self.blocks.is_empty()
     }
 
-    /// The line of the outermost open block if commands may be lost because a block has no end: further iterations of a loop, or skipped
-    /// commands. `None` otherwise.
+    /// Commands may be lost because a block has no end: those of further iterations of a loop, or skipped ones. If so, returns the line of
+    /// the outermost open block, otherwise `None`.
     pub fn never_closed(&self) -> Option<u32> {
         let loses = |block: &FlowBlock| !matches!(block, FlowBlock::Taken | FlowBlock::Unknown);
         self.blocks.iter().any(loses).then_some(self.opened)

@@ -172,7 +172,7 @@ pub struct ApdlArray {
     pub sizes: [usize; 3],
     /// The elements; NaN for an unknown one.
     pub values: Vec<f64>,
-    /// False after a command has set an element whose index is unknown.
+    /// Whether the elements are known: false after a command has set an element whose index is unknown.
     pub is_known: bool,
 }
 

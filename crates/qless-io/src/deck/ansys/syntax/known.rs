@@ -5,19 +5,19 @@ use super::command::CommandKey;
 /// The effect of an unsupported command on constraints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CommandEffect {
-    /// It makes or changes constraints.
+    /// The command makes or changes constraints.
     Constrains,
-    /// It generates nodes.
+    /// The command generates nodes.
     MakesNodes,
-    /// It reads commands or data from another place, or repeats commands.
+    /// The command reads other files, or makes ANSYS execute other commands.
     ReadsOthers,
-    /// It has no effect on constraints.
+    /// The command has no effect on constraints.
     Nothing,
     Unknown,
 }
 
-/// Commands that make or change constraints: rigid regions, interfaces, symmetry, constraints of the solid model, merged nodes and the
-/// like.
+/// Commands that make or change constraints: interfaces, symmetry, copies of equations, constraints of the solid model, merged nodes and
+/// the like.
 const CONSTRAIN: &str = "CEIN CECY CESG CPIN CPLG CPSG CPNG CPCY CPME DSYM DK DL DA DJ DTRA SBCT DSCA DFLX DVAL \
     CBDO CYCL CYCO PSME SLOA NUMM DCVS DSUR EMBE MCFO";
 

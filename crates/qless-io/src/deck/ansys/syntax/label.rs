@@ -30,7 +30,7 @@ const LOADS: [(&str, u8); 15] = [
 const RATES: [&str; 12] =
     ["VELX", "VELY", "VELZ", "OMGX", "OMGY", "OMGZ", "ACCX", "ACCY", "ACCZ", "DMGX", "DMGY", "DMGZ"];
 
-/// `TEn`, the temperature of layer n of a shell (2 to 99), is component n plus this.
+/// The component of `TEn` is n plus this number. `TEn` is the temperature of layer n of a shell, with n from 2 to 99.
 const LAYER: u8 = 100;
 
 /// The component that a label stands for.

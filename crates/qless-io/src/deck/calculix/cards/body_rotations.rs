@@ -11,7 +11,7 @@ use crate::deck::calculix::model::elements::ElementShape;
 use crate::deck::{Dof, Model};
 
 /// A rotation is free if the determinant of its [`Gram`] matrix is at most this fraction of the product of the diagonal entries. Rounding
-/// alone gives a determinant of about a quarter of this limit.
+/// errors alone can give about a quarter of this fraction.
 const FREE: f64 = 1e-13;
 
 /// A rigid body or a kinematic coupling, with file and line of its card.

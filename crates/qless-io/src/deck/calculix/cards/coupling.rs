@@ -1,7 +1,9 @@
 //! `*COUPLING` with `*KINEMATIC` or `*DISTRIBUTING`.
 //!
-//! In Abaqus, the reference of a distributing coupling moves as the weighted mean of the coupled nodes, `u_r = A_r S^-1 sum w_k a_k^T u_k`
-//! (symbols as in `kinematics::mean`). In ccx, the card only distributes forces: the motion of the reference does not move the surface.
+//! In Abaqus, the reference of a distributing coupling moves as the weighted mean of the coupled nodes. Its displacement is `u_r = A_r S^-1
+//! sum w_k a_k^T u_k` with `S = sum w_k a_k^T a_k`, where u_k, w_k and a_k are the displacement, weight and motion rows of node k, and A_r
+//! the motion rows of the reference (see `kinematics::mean`). In ccx, the card only distributes forces: the motion of the reference does
+//! not move the surface.
 
 use crate::deck::calculix::cards::rigid::{BodyReference, kinematic, own_rotation};
 use crate::deck::calculix::cards::{CardEquation, RegisteredCard, refused};

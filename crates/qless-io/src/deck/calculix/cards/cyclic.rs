@@ -19,7 +19,7 @@ use crate::fault::quote;
 
 /// Default for the largest distance between a slave node and its partner, relative to the size of the slave side.
 const TOLERANCE: f64 = 1e-4;
-/// A node lies on the axis if its radius is below this fraction of its distance from the origin.
+/// A node lies on the axis if its radius is below this fraction of its distance from the origin of the axis.
 const AXIS: f64 = 1e-9;
 
 /// Adds the equations of a `*CYCLIC SYMMETRY MODEL` card and its tie, or leaves the card out with a warning.
@@ -140,7 +140,7 @@ impl<'a> Sector<'a> {
         plus(plus(self.axis.origin, axial), across)
     }
 
-    /// The equations by which the three components of a slave follow its partners.
+    /// The equations by which the three components of a slave follow the master nodes in `partners`, each of which has a weight.
     fn follow(&self, slave: u32, position: Vector, partners: &[(u32, f64)]) -> Result<Vec<CardEquation>, Problem> {
         let mut there = [0.0; 3];
         for &(node, weight) in partners {

@@ -15,7 +15,7 @@ use crate::fault::quote;
 /// Name of these cards in the model.
 pub const NAME: &str = "*MPC MEANROT";
 
-/// The coefficient of a slave must exceed this; [`equation`] scales the coefficients.
+/// The coefficient of a slave must exceed this. The coefficients are those of [`equation`].
 const SMALLEST: f64 = 1e-5;
 /// For at most this many nodes, coefficients are summed in the order of ccx.
 const ADDED: usize = 2000;

@@ -31,8 +31,8 @@ pub struct CardEquation {
 const ROUNDING: f64 = 1e-14;
 
 impl CardEquation {
-    /// Makes the equation `sum g_k . u_k = rhs` over the nodes k, in the local axes of each node. `gradients` holds the nodes and their
-    /// g_k. The slave is the component of the first node with the largest coefficient.
+    /// Makes the equation `sum g_k . u_k = rhs` over the nodes k with displacements u_k, in the local axes of each node. `gradients` holds
+    /// the nodes and their g_k. The slave is the component of the first node with the largest coefficient.
     pub fn along(definitions: &DeckDefinitions, gradients: &[(u32, Vector)], rhs: f64) -> Result<Self, Problem> {
         Self::along_with(definitions, gradients, &[], rhs)
     }
@@ -58,7 +58,7 @@ impl CardEquation {
         Ok(equation)
     }
 
-    /// Makes `slave` the slave of the equation, if its coefficient is as large as that of the present slave.
+    /// Makes `slave` the slave of the equation, if the coefficient of this DOF is as large as that of the present slave.
     pub fn led_by(mut self, slave: Dof) -> Self {
         let at = self.terms.iter().position(|(dof, a)| *dof == slave && a.abs() >= 1.0 - ROUNDING);
         if let Some(at) = at {
@@ -96,8 +96,8 @@ impl CardEquation {
     }
 }
 
-/// The terms of `sum g_k . u_k`, in the order of the nodes and in the local axes of each node. `gradients` holds the nodes and their g_k.
-/// Coefficients that are rounding errors are dropped.
+/// The terms of `sum g_k . u_k` over the nodes k with displacements u_k, in the order of the nodes and in the local axes of each node.
+/// `gradients` holds the nodes and their g_k. Coefficients that are rounding errors are dropped.
 fn terms(definitions: &DeckDefinitions, gradients: &[(u32, Vector)]) -> Result<Vec<(Dof, f64)>, Problem> {
     let mut terms: Vec<(Dof, f64)> = Vec::with_capacity(3 * gradients.len());
     for &(node, gradient) in gradients {
@@ -110,7 +110,7 @@ fn terms(definitions: &DeckDefinitions, gradients: &[(u32, Vector)]) -> Result<V
     Ok(terms)
 }
 
-/// A card that the model knows, so that equations can be added to it.
+/// A card that was added to the model, so that equations can be added to it.
 pub struct RegisteredCard {
     pub origin: Origin,
 }

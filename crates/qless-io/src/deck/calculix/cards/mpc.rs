@@ -120,8 +120,8 @@ fn of_pairs(
     Ok(rows.into_iter().flatten().collect())
 }
 
-/// Pairs the nodes of two fields. Two nodes in all are one pair. Otherwise each node of the first field is paired with the only node of the
-/// second field, or with the node in the same place there.
+/// Pairs the nodes of two fields. If there are only two nodes in all, they are the only pair. Otherwise each node of the first field is
+/// paired with the only node of the second field, or with the node in the same place there.
 fn pairs(fields: &[Vec<u32>]) -> Result<Vec<(u32, u32)>, Problem> {
     match (fields, &fields.concat()[..]) {
         (_, &[a, b]) => Ok(vec![(a, b)]),
@@ -176,7 +176,7 @@ fn straight(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<Vec<CardEqua
     let mut rows = Vec::new();
     for &node in nodes[2..].iter().filter(|node| !nodes[..2].contains(node)) {
         let to_k = minus(definitions.position(node)?, a);
-        // Two equations suffice: that of the component along the line follows from the other two.
+        // Two equations suffice, because they imply the third: the one of the component in which the line is longest.
         for i in (0..3).filter(|&i| i != largest) {
             let axis: Vector = std::array::from_fn(|k| f64::from(u8::from(k == i)));
             let (by_k, by_b) = (cross(along, axis), cross(axis, to_k));
@@ -185,7 +185,8 @@ fn straight(definitions: &DeckDefinitions, nodes: &[u32]) -> Result<Vec<CardEqua
             let is_off = off.abs() > 1e-6 * length(along) * length(to_k);
             let gradients = [(node, by_k), (nodes[0], by_a), (nodes[1], by_b)];
             let row = CardEquation::along(definitions, &gradients, if is_off { -off } else { 0.0 })?;
-            // Gives each of the other two components one equation as its slave, even if all components of the line are equal in size.
+            // The two equations get distinct slaves: the two components in which the line is shorter. Without this, they might have the
+            // same slave if all components of the line are equal in size.
             rows.push(row.led_by(Dof { node, component: (3 - i - largest) as u8 + 1 }));
         }
     }

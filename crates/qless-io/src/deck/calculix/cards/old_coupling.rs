@@ -42,8 +42,8 @@ pub fn kinematic_coupling(
 }
 
 /// Reads `*DISTRIBUTING COUPLING, ELSET=`, whose lines hold `node or set, weight`. The only node of the element set is the reference r. In
-/// ccx, node k has the weight w_k, the first node is the slave, and `sum w_k u_k - sum w_k u_r = 0` in each direction. In Abaqus, r moves
-/// as the weighted mean of the nodes.
+/// ccx, the card gives `sum w_k u_k - sum w_k u_r = 0` in each direction, with the weights w_k and the displacements u of the nodes. The
+/// first node is the slave. In Abaqus, r moves as the weighted mean of the nodes.
 pub fn distributing_coupling(
     card: &KeywordCard,
     model: &mut Model,

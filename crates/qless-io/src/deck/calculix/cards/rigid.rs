@@ -17,8 +17,8 @@ pub struct BodyReference {
     pub rotation: Dof,
 }
 
-/// The component that stands for the rotation of a `*RIGID BODY` without `ROT NODE` in CalculiX. No card can name this rotation; components
-/// 4 to 6 are another one.
+/// The component that stands for the rotation of a `*RIGID BODY` without `ROT NODE` in CalculiX. No card can name this rotation: components
+/// 4 to 6 of the node are a different one.
 const UNREACHED: u8 = 21;
 
 impl BodyReference {

@@ -157,8 +157,8 @@ impl DeckDefinitions {
         name.match_indices('.').find_map(|(dot, _)| split(dot))
     }
 
-    /// Checks the lines of all `*NODE` cards. The error holds the first wrong line with its wrong field. This is the time to name the line:
-    /// positions are parsed later, for all nodes at once and only if a card needs them.
+    /// Checks the lines of all `*NODE` cards. The error holds the first wrong line with its wrong field. Later errors could not name a
+    /// line, because positions are parsed for all nodes at once, and only if a card needs them.
     pub fn check_nodes(&self) -> Result<(), (DataLine<'_>, FieldFault)> {
         for line in self.nodes.iter().flat_map(|pieces| DataLines::new(pieces)) {
             let mut fields = DataFields::new(&line);

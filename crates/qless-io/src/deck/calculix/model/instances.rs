@@ -96,7 +96,7 @@ impl NodeNumbers {
     /// Numbers the nodes of all instances consecutively, above the largest number in the deck itself.
     pub fn build(deck: &[u32], instances: impl Iterator<Item = Vec<u32>>) -> Result<Self, Problem> {
         let mut next = deck.last().map_or(Some(1), |last| last.checked_add(1));
-        // Scope 0 is the deck itself: its nodes have numbers below this one.
+        // Scope 0 is the deck itself. Its nodes keep their numbers, all of which are below the first number of the instances.
         let mut scopes = vec![(next.unwrap_or(u32::MAX), Vec::new())];
         for own in instances {
             let advice = "use smaller numbers for the nodes of the assembly";

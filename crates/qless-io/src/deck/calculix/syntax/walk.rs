@@ -84,7 +84,7 @@ pub fn next_keyword(text: &[u8], from: usize) -> usize {
         .unwrap_or(text.len())
 }
 
-/// Where a keyword line ends, with the lines that continue it after a trailing comma; and the number of these lines in all.
+/// Where a keyword line ends, and the number of lines that it takes. A line that ends with a comma continues on the next line.
 pub fn keyword_end(text: &[u8], from: usize) -> (usize, usize) {
     let mut end = from;
     for lines in 1.. {

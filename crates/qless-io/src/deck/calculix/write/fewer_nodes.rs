@@ -36,7 +36,7 @@ fn names(deck: &Deck, nodes: &[u32]) -> Vec<String> {
     nodes.iter().map(|&node| deck.model.node_name(node)).collect()
 }
 
-/// The text before the name of the slave surface, and the name itself: the first field of the first data line.
+/// The text before the name of the slave surface, and the name itself, which is the first field of the first data line.
 fn slave_of(data: &str) -> Option<(&str, &str)> {
     let mut at = 0;
     for line in data.split_inclusive('\n') {

@@ -17,7 +17,7 @@ use crate::deck::{Deck, Dof};
 
 /// A component of a local axis below this counts as zero in ccx.
 const LEAST: f64 = 1e-5;
-/// Coefficients below this count as zero, where the local slave has the coefficient 1.
+/// A coefficient below this counts as zero if the equation has the coefficient 1 at its local slave.
 const ZERO: f64 = 1e-6;
 
 /// The equations of a plan, with slaves that ccx accepts.

@@ -20,7 +20,7 @@ use crate::deck::{Dof, Model, Problem};
 pub struct RigidReference {
     /// The node at the reference point of the body.
     pub node: u32,
-    /// Whether this node is at the centre of mass.
+    /// Whether the reference node is at the centre of mass of the body.
     is_centre: bool,
 }
 

@@ -25,7 +25,7 @@ pub enum SetKind {
     Segment,
 }
 
-/// The members of a set; or, if the set is not read, its keyword.
+/// The members of a set. If this reader does not read the set, the error holds the keyword of its card.
 type NamedMembers = Result<Vec<u32>, String>;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

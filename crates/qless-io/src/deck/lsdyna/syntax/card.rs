@@ -126,7 +126,7 @@ impl DynaCards {
         Ok(())
     }
 
-    /// Reads `*PARAMETER`: pairs of a name and a value; the first letter of a name gives the type. Of `*PARAMETER_EXPRESSION`, only
+    /// Reads `*PARAMETER`: pairs of a name and a value; the first letter of a name gives the type. In `*PARAMETER_EXPRESSION`, only
     /// expressions that are numbers can be used.
     fn parameters(&mut self, card: &DynaCard, pairs: usize) {
         let none = Parameters::default();
@@ -139,7 +139,7 @@ impl DynaCards {
     }
 }
 
-/// Where the next line begins that starts with a star, at or after `from`. `from` must be the start of a line.
+/// The byte at which the next line that begins with a star starts, at or after `from`. `from` must be the start of a line.
 fn next_keyword(text: &[u8], from: usize) -> usize {
     let stars = memchr::memchr_iter(b'*', &text[from..]).map(|k| from + k);
     let is_start = |at: &usize| *at == from || text[at - 1] == b'\n' || (*at == 3 && text.starts_with(b"\xef\xbb\xbf"));

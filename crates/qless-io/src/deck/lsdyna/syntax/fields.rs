@@ -21,7 +21,7 @@ pub enum FieldWidth {
     Standard,
     /// Fields of 10 characters: `I10=Y` on `*KEYWORD`, or `%` after the keyword.
     Ten,
-    /// Fields of 20 characters: `LONG=Y` on `*KEYWORD`, or `+` after the keyword.
+    /// Fields of 20 characters: `LONG=Y` or `LONG=K` on `*KEYWORD`, or `+` after the keyword.
     Long,
 }
 

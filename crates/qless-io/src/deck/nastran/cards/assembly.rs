@@ -15,7 +15,7 @@ use crate::fault::quote;
 pub struct CardAssembly {
     pub bulk: BulkData,
     card: BulkCard,
-    /// The kind of the last line.
+    /// The kind of the line that was read last.
     before: LineBefore,
     /// The continuation mark of the last line, if the card of that line is skipped.
     mark: Vec<u8>,
@@ -105,7 +105,7 @@ impl CardAssembly {
         }
     }
 
-    /// Stores a continuation line that does not continue the line before it, as the start of a new piece.
+    /// Stores a continuation line that does not continue the line before it. It starts a new piece: lines whose card is not known yet.
     fn start_piece(
         &mut self,
         before: LineBefore,
@@ -158,8 +158,8 @@ impl CardAssembly {
         Ok(())
     }
 
-    /// Notes that MYSTRAN makes no copies. It ignores the line; but if the line is in free field with an asterisk, it mistakes it for large
-    /// field and stops.
+    /// Notes that MYSTRAN makes no copies. It ignores most lines that ask for them. But it takes a line in free field with an asterisk for
+    /// one in large field, and stops.
     fn note_skipped_copy(&mut self, line: &DeckLine) {
         if line.text.contains(&b',') && line.text.contains(&b'*') {
             self.bulk.notes.refuse(line.at(), "MYSTRAN stops at this line of copies; write the cards out".into());

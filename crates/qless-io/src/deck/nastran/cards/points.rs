@@ -74,7 +74,7 @@ impl GridDefaults {
         Ok(Self { position_frame: frame(card, 1)?, displacement_frame: frame(card, 5)?, prescribed })
     }
 
-    /// These fields, with blanks filled from `other`.
+    /// Returns these fields. Those that are blank are filled from `other`.
     pub fn or(self, other: Self) -> Self {
         Self {
             position_frame: self.position_frame.or(other.position_frame),

@@ -63,7 +63,8 @@ fn id_of(field: SmallField) -> Option<u32> {
     optional(field).ok()?.filter(|&id| id > 0)
 }
 
-/// Reads a whole number; one of eight digits fits into 32 bits. Returns `None` for a blank field, and an error for any other text.
+/// Reads a whole number, of at most eight digits, which fits into 32 bits. Returns `None` for a blank field, and an error for any other
+/// text.
 fn optional(field: SmallField) -> Result<Option<u32>, ()> {
     if field == BLANK {
         return Ok(None);

@@ -64,7 +64,7 @@ pub struct UnreadCard {
 const HARMLESS_CONTACT: &str = "is contact";
 const REFERENCE: &str = "names reference components";
 
-/// What cards are that this reader does not understand, each with the names of such cards.
+/// Descriptions of the cards that this reader does not understand, each with the names of such cards.
 const UNREAD: [(&str, &str); 26] = [
     ("is an interpolation element", "RSPLINE RBE3U"),
     ("is a rigid element that searches its grid points", "RBE2GS"),

@@ -23,7 +23,7 @@ pub struct CaseSelection {
 }
 
 impl CaseSelection {
-    /// This selection; choices that are missing are taken from `outer`.
+    /// Returns this selection. Choices that are missing in it are taken from `outer`.
     fn or(self, outer: Self) -> Self {
         Self { mpc: self.mpc.or(outer.mpc), spc: self.spc.or(outer.spc), load: self.load.or(outer.load) }
     }
@@ -59,13 +59,13 @@ struct Subcase {
     steps: Vec<(u32, usize, CaseSelection)>,
 }
 
-/// What becomes a load case: a step, a subcase without steps, or a whole deck without subcases. All sets of its selection hold in it.
+/// A step, a subcase without steps, or a whole deck without subcases. It becomes a load case, in which all sets of its selection hold.
 #[derive(Clone, Debug)]
 pub struct SubcaseLeaf {
     name: String,
     pub selection: CaseSelection,
-    /// Index of the block of lines that can select sets for this step or subcase alone. 0 means the lines before the first subcase; then
-    /// the subcases and steps count, in the order of the deck.
+    /// Index of the block of lines that can select sets for this step or subcase alone. Block 0 holds the lines before the first subcase.
+    /// The subcases and steps are blocks 1, 2, and so on, in the order of the deck.
     pub holder: usize,
 }
 

@@ -65,7 +65,8 @@ fn prescribed(
     Ok(all)
 }
 
-/// Refuses a card that prescribes undefined points, because MYSTRAN stops there. Of a range, both ends must be defined.
+/// Refuses a card that prescribes undefined points, because MYSTRAN stops there. If the card names a range, both of its ends must be
+/// defined.
 fn refuse_unknown(support: &PointSupport, place: &CardLocation, points: &Points, model: &mut Model) {
     let mut ends = support.points.iter().flat_map(|span| [span.first, span.last]);
     if let Some(node) = ends.find(|&node| points.kind(node) == PointKind::Unknown) {

@@ -42,8 +42,8 @@ fn all(members: &[ExclusiveMembers], points: &Points, model: &mut Model) -> Resu
     Ok(found)
 }
 
-/// The components of exclusive sets that some load case prescribes, each once. Two places follow: the card of the set, and the card of the
-/// value.
+/// The components of exclusive sets that some load case prescribes, each once. Each comes with the card that puts it into the set, and with
+/// the card of the value.
 fn prescribed(claims: &BTreeMap<Dof, SetClaim>, cases: &[LoadCase]) -> Vec<(Dof, Origin, Origin)> {
     let all = cases.iter().flat_map(|case| &case.prescribed);
     let mut found: BTreeMap<Dof, (Origin, Origin)> = BTreeMap::new();

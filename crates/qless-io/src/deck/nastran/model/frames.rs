@@ -66,7 +66,7 @@ impl<G: Fn(u32) -> Option<(u32, Vector)>> FrameSearch<'_, G> {
         Ok(())
     }
 
-    /// A frame on which this one depends and that is not computed yet; `None` if there is none.
+    /// A frame that is not computed yet although frame `id` depends on it; `None` if there is none.
     fn missing(&self, id: u32) -> Result<Option<u32>, Problem> {
         if self.found.contains_key(&id) {
             return Ok(None);

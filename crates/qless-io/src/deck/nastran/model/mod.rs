@@ -234,7 +234,7 @@ fn mpc(
     Ok(())
 }
 
-/// If a card repeats its dependent DOF, keeps only the last of these coefficients, as MYSTRAN does. Repeated terms of other DOFs stay,
+/// If a card repeats its dependent DOF, keeps only the last coefficient of this DOF, as MYSTRAN does. Repeated terms of other DOFs stay,
 /// because MYSTRAN adds them.
 fn take_last_of_dependent(row: &mut Vec<(Dof, f64)>) {
     let Some(&(dependent, _)) = row.first() else { return };

@@ -7,7 +7,8 @@ use crate::deck::Warning;
 /// Largest number of warnings of one kind that are shown.
 const OF_A_KIND: usize = 100;
 
-/// Returns the warnings in the order of file and line, each once. Of each kind, one more warning counts those beyond the limit.
+/// Returns the warnings in the order of file and line, each once. If there are more of one kind than the limit, a warning at the end of the
+/// list says how many are omitted.
 pub fn brief(mut warnings: Vec<Warning>) -> Vec<Warning> {
     warnings.sort_by_key(|warning| (warning.file, warning.line));
     let mut seen = FxHashSet::default();
@@ -21,7 +22,7 @@ pub fn brief(mut warnings: Vec<Warning>) -> Vec<Warning> {
         *count += 1;
         match *count {
             0..=OF_A_KIND => kept.push(warning),
-            // The warning with the count has the line of the first warning beyond the limit.
+            // The warning that says how many are omitted has the line of the first omitted one.
             n if n == OF_A_KIND + 1 => beyond.push((kind, warning)),
             _ => {}
         }

@@ -35,7 +35,7 @@ pub struct BulkCard {
     lines: Vec<CardLine>,
     /// The continuation mark of the card's last line.
     mark: Vec<u8>,
-    /// Whether a line in free field has more data than it has data fields.
+    /// Whether a line in free field has further data after its last data field.
     pub goes_beyond: bool,
 }
 
@@ -100,7 +100,7 @@ impl BulkCard {
     }
 
     fn take(&mut self, fields: &LineFields, at: FileLine, is_apart: bool) {
-        // If a line in small field follows one line in large field, that half line is filled up with blank fields.
+        // A line in large field fills half of a line in small field. If a line in small field follows, blank fields fill the other half.
         if fields.data().len() == PER_LINE {
             while !self.ends.len().is_multiple_of(PER_LINE) {
                 self.ends.push(self.text.len() as u32);

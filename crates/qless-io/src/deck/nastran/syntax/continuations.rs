@@ -1,7 +1,7 @@
 //! Joins cards with continuation lines that are not next to them.
 //!
 //! A card that ends with the mark `+A` continues in the line that begins with `+A`, wherever that line is in the deck. If a line has no
-//! mark and the line after it has a name, that line continues it, unless the mark of another line gives this name.
+//! mark and the next line begins with a name, the next line continues it. There is one exception: the mark of another line gives this name.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -15,7 +15,7 @@ use crate::deck::{CardFault, Solver};
 pub struct Continuations {
     claims: Vec<ContinuationClaim>,
     pieces: Vec<LoosePiece>,
-    /// The names that occur in the marks of cards and pieces.
+    /// The names that occur in the marks of cards and of pieces (continuation lines whose card is not known yet).
     named: BTreeSet<Vec<u8>>,
 }
 
@@ -51,7 +51,7 @@ pub enum LineBefore {
     Read,
     /// A line of a card that is skipped.
     Unread,
-    /// A continuation line of the last piece.
+    /// A line of the last piece: continuation lines whose card is not known yet.
     Piece,
 }
 
@@ -61,19 +61,19 @@ impl Continuations {
         self.claims.push(ContinuationClaim { card, name, next: None });
     }
 
-    /// Adds a card without a mark after which a continuation line with a name follows.
+    /// Adds a card that has no mark, but is followed by a continuation line with a name.
     pub fn claim_next(&mut self, card: BulkCard) {
         self.claims.push(ContinuationClaim { card: Some(card), name: Vec::new(), next: Some(self.pieces.len()) });
     }
 
-    /// Starts a new piece. Its first line does not continue the line before it.
+    /// Starts a new piece of continuation lines, whose card is not known yet. Its first line does not continue the line before it.
     pub fn start(&mut self, name: Vec<u8>, line: &[u8], at: FileLine, may_be_unread: bool) {
         let lines = vec![(at, line.to_vec())];
         let mark = name_in(mark(line));
         self.pieces.push(LoosePiece { name, mark, lines, may_be_unread, follows: false, is_taken: false });
     }
 
-    /// Starts a new piece that directly follows the last one.
+    /// Starts a new piece of continuation lines that directly follows the last piece.
     pub fn start_next(&mut self, name: Vec<u8>, line: &[u8], at: FileLine) {
         let last = self.pieces.last();
         let (may_be_unread, follows) =
@@ -82,12 +82,12 @@ impl Continuations {
         self.pieces.last_mut().into_iter().for_each(|piece| piece.follows = follows);
     }
 
-    /// Whether a line with this name continues the last piece.
+    /// Whether a line with this name continues the last piece of continuation lines.
     pub fn goes_on(&self, name: &[u8]) -> bool {
         self.pieces.last().is_some_and(|piece| name.is_empty() || piece.mark == name)
     }
 
-    /// Appends a line to the last piece.
+    /// Appends a line to the last piece of continuation lines.
     pub fn extend(&mut self, line: &[u8], at: FileLine) {
         if let Some(piece) = self.pieces.last_mut() {
             piece.mark = name_in(mark(line));
@@ -109,7 +109,7 @@ impl Continuations {
         let marks = self.pieces.iter().map(|piece| &piece.mark);
         self.named = self.claims.iter().map(|claim| &claim.name).chain(marks).cloned().collect();
         let mut cards = Vec::with_capacity(self.claims.len());
-        // Cards whose marks name lines come first: a piece belongs to the card before it only if no other card names it.
+        // Cards whose marks give names come first: a piece belongs to the card before it only if no mark gives the name of the piece.
         let claims = std::mem::take(&mut self.claims);
         for claim in claims.iter().filter(|claim| claim.next.is_none()) {
             cards.extend(self.complete(claim, &mut by_name, solver)?);
@@ -159,8 +159,8 @@ impl Continuations {
         Ok(card)
     }
 
-    /// Appends a piece, and the pieces that follow it, to a card. If the card is skipped, only marks them as taken. Returns the name of the
-    /// line that continues the card.
+    /// Appends a piece of continuation lines, and the pieces that follow it, to a card. If the card is skipped, only marks them as taken.
+    /// Returns the name of the line that continues the card.
     fn take(
         &mut self,
         mut at: usize,

@@ -14,7 +14,7 @@ use super::number::real;
 use crate::deck::Problem;
 use crate::fault::quote;
 
-/// For each field, how it follows from the field of the previous card.
+/// The rule of copies: how each field of a copy follows from that of the previous card.
 #[derive(Clone, Debug, Default)]
 pub struct CopyRule(Vec<Vec<u8>>);
 

@@ -157,8 +157,8 @@ fn is_mark(word: &[u8]) -> bool {
     matches!(word.first(), None | Some(b'+' | b'*'))
 }
 
-/// Moves a mark that stands among the data, as in `MPC,1,2,3,1.0,+`, to its place: the last field, if it starts with `+` or `*` and is no
-/// number.
+/// A mark may stand among the data, as in `MPC,1,2,3,1.0,+`. If the last field that is not blank starts with `+` or `*` and is no number,
+/// it is such a mark: moves it to the place of the continuation mark.
 fn without_early_mark(mut fields: LineFields<'_>) -> LineFields<'_> {
     let Some(last) = fields.data.iter().rposition(|field| !field.is_empty()) else { return fields };
     let word = fields.data[last];

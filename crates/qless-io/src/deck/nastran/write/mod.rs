@@ -150,7 +150,8 @@ impl NastranWriter<'_> {
         text
     }
 
-    /// Whether a file changes, or a file that it includes. The recursion ends, because the deck could be read.
+    /// Whether a file changes, or a file that it includes. The recursion ends, because files of a deck that was read include each other in
+    /// no circle.
     fn is_changed(&self, file: u32) -> bool {
         let includes = || self.content.landmarks.includes.iter().filter(|include| include.file == file);
         self.changes.iter().any(|((of, _), ..)| *of == file) || includes().any(|include| self.is_changed(include.inner))
