@@ -1,5 +1,5 @@
-//! Assembles elements into a condensed matrix without K: `K_q += L_e^T K_e L_e`, `f_q += L_e^T (f_e - K_e u_0)`, where `L_e` are the rows
-//! of L for the DOFs of element e.
+//! Assembles elements into a condensed matrix without K: `K_q += L_e^T K_e L_e`, `f_q += L_e^T (f_e - K_e u_0)`, with `u = L u_q + u_0`.
+//! `L_e` are the rows of L for the DOFs of element e, and `u_0` is taken at these DOFs.
 
 use std::ffi::{c_int, c_void};
 use std::sync::{Arc, OnceLock};
@@ -127,7 +127,7 @@ pub unsafe extern "C" fn qless_assemble(
             if stopped.get().is_none() {
                 let e = held.elimination.base.shown(e);
                 let status = unsafe { element(context.get(), e, matrix.as_mut_ptr(), forces.as_mut_ptr()) };
-                // If another thread has stopped the assembly before, its element is reported, which is as good as this one.
+                // If another thread stopped the assembly earlier, this status is dropped: one reported element suffices.
                 if status != 0 {
                     _ = stopped.set((e, status));
                 }

@@ -105,7 +105,7 @@ pub fn numbers_of(kinds: &[Kind]) -> Vec<u8> {
 }
 
 fn narrow(index: &IndexArray<'_>) -> Vec<u32> {
-    // An index out of range stays out of range, and the library refuses it.
+    // An index that does not fit into 32 bits becomes `u32::MAX`. This is out of range too, so that the library refuses it.
     let narrow = |k: i64| u32::try_from(k).unwrap_or(u32::MAX);
     match index {
         IndexArray::Narrow(index) => index.as_array().iter().map(|&k| narrow(k.into())).collect(),

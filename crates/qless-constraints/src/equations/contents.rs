@@ -11,10 +11,11 @@ use crate::scalar::Bounded;
 pub struct ConstraintContents {
     pub equations: Vec<StagedEquation>,
     pub pieces: Vec<Box<dyn StagedNonlinear>>,
-    /// The DOFs of all `pieces`, one piece after the other.
+    /// The DOFs of the nonlinear equations in `pieces`, one piece after the other.
     pub dofs: Vec<u32>,
     pub statements: Vec<DofStatement>,
-    /// A value of a function of time that is not finite at the time of the set, if there is one. Only for inactive constraints.
+    /// The first value that is not finite among the functions of time, evaluated at the time of the set. `None` if all are finite. Only
+    /// inactive constraints may have such a value.
     pub not_finite: Option<f64>,
 }
 

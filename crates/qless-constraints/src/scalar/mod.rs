@@ -11,9 +11,11 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 pub use bounded::Bounded;
 pub use dual::Dual;
 
-/// Relative rounding of a sum of a few terms: eight units in the last place. A result that is at most this share of its terms is zero.
+/// Relative rounding of a sum of a few terms: eight units in the last place. A sum that is at most this share of its absolute terms counts
+/// as zero.
 pub(crate) const SUM_ROUNDING: f64 = 8.0 * f64::EPSILON;
-/// Half of the digits of a double. A sum smaller than this share of its terms has lost more digits than it kept, and determines nothing.
+/// Half of the digits of a double. A sum smaller than this share of its absolute terms has lost more digits than it kept, so that it is not
+/// relied on.
 pub(crate) const HALF_DIGITS: f64 = 1e-8;
 /// A length, area or volume that is smaller than this share of the geometry's size counts as zero: four digits above the rounding of
 /// coordinates.
@@ -83,7 +85,7 @@ pub trait Univariate: Copy {
 /// assert_eq!(cube(Dual::<1>::variable(2.0, 0)).slope, [12.0]);
 /// ```
 pub trait Scalar: Arithmetic + Div<Output = Self> {
-    /// The number without its derivatives. Branches may depend on it.
+    /// The number without derivatives and error bounds. Code may branch on it, since a branch needs a plain number.
     fn real(self) -> f64;
     /// Square root of a positive number.
     #[must_use]
@@ -101,7 +103,8 @@ pub trait Scalar: Arithmetic + Div<Output = Self> {
     }
     /// The angle of the point `(x, self)`, in (-pi, pi].
     ///
-    /// With h the angle of the values, the remainder `tan(angle - h)` is of the size of rounding and carries the derivatives.
+    /// The result is `h + rest`: h is the angle computed in `f64`, and `rest = tan(angle - h)` is of the size of rounding, but has the
+    /// derivatives of the angle.
     #[must_use]
     fn atan2(self, x: Self) -> Self {
         let h = self.real().atan2(x.real());

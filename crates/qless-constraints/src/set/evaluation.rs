@@ -6,7 +6,7 @@ use qless::{ArgumentError, Csr};
 use crate::equations::hessian::HessianPlan;
 use crate::set::ConstraintSet;
 
-/// The results of an evaluation, with the patterns of the set at that time. Other sets refuse them.
+/// The results c, G and H of an evaluation of a set, with the patterns of the set at that time. Any other set refuses this evaluation.
 #[derive(Clone, Debug)]
 pub struct Evaluation {
     /// The set that allocated this evaluation.
@@ -103,7 +103,7 @@ impl ConstraintSet {
         if evaluation.evaluated == self.version.get() { Ok(()) } else { Err(ArgumentError::Outdated { what }) }
     }
 
-    /// G with the coefficients of linear equations, and zeros elsewhere.
+    /// G with the coefficients of the linear equations, which are constant, and with zeros in the rows of the nonlinear equations.
     pub(super) fn whole_pattern(&self) -> Csr {
         let (mut start, mut col) = (self.linear.start.clone(), self.linear.col.clone());
         self.nonlinear.batches.iter().for_each(|batch| batch.write_pattern(&mut start, &mut col));

@@ -45,7 +45,8 @@ impl PerConstraint {
         &self.values[first..first + count]
     }
 
-    /// The numbers in the rows that the set has now. Constraints without numbers here, or with another count of equations, get zeros.
+    /// The numbers in the rows that the set has now. A constraint gets zeros if it has no numbers here, or if its number of equations has
+    /// changed.
     ///
     /// # Errors
     /// [`ArgumentError::Foreign`] if the numbers are those of another set.

@@ -15,7 +15,8 @@ use crate::geometry::surface::Surface;
 use crate::scalar::vector::{Vector, add, axis, cross, hypot, scale};
 use crate::scalar::{HALF_DIGITS, clean, complete};
 
-/// Rounding error of an arm, relative to the largest coordinate: an arm takes a few operations on coordinates.
+/// Rounding error of an arm (a vector from the centre to a point), relative to the largest coordinate. Computing an arm takes a few
+/// operations on coordinates.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// One observed component of the motion of a point.
@@ -39,8 +40,8 @@ pub struct RigidMotionFit {
     /// Largest singular value that counts as zero. As a result, nodes count as on a line if they deviate from it by less than about 1e-8 of
     /// its length.
     least: f64,
-    /// Size of the coordinates over the size of the arms, at least 1: the factor by which the rounding of coordinates
-    /// grows.
+    /// Size of the coordinates divided by the size of the arms (the vectors from the centre), at least 1. The rounding of coordinates grows
+    /// by this factor, relative to the arms.
     pub blur: f64,
 }
 
@@ -113,7 +114,7 @@ fn centre(observations: &[MotionObservation]) -> (Vector<f64>, f64) {
     let most = observations.iter().fold(0.0, |most: f64, o| most.max(o.root));
     let weight = |o: &MotionObservation| (o.root / most).powi(2);
     let is_translation = |o: &&MotionObservation| !o.is_rotation;
-    // Only translations depend on arms; without translations, any centre will do.
+    // The centre matters only for translations, since they depend on arms. Without translations, any centre will do.
     let total: f64 = observations.iter().filter(is_translation).map(weight).sum();
     let part = |o: &MotionObservation| scale(weight(o) / total, arm(o.at, first.at));
     let mean =
@@ -175,7 +176,8 @@ impl MeanRigidMotion {
             }
         }
         clean(nodes.values_mut().flatten(), self.fit.blur);
-        // Far from the origin, `clean` sets larger entries to zero. The sums are corrected, so that translations of the face stay exact.
+        // Far from the origin, `clean` also drops entries that change the sums noticeably. So the sums are corrected: then translations of
+        // the face stay exact.
         for (k, &sum) in motion[..3].iter().enumerate() {
             complete(nodes.values_mut().map(|a| &mut a[k]), sum);
         }

@@ -257,7 +257,7 @@ impl Axes {
 fn across(e: Vector<f64>, other: Vector<f64>) -> Option<Vector<f64>> {
     let part = |x: Vector<f64>| sub(x, scale(dot(e, x), e));
     let rest = part(other);
-    // Orthogonalise again: a short remainder of the first pass contains enlarged rounding.
+    // Orthogonalise twice: if the first result is short, its rounding errors are large, relative to its length.
     if norm(rest) > HALF_DIGITS { unit(part(rest)) } else { None }
 }
 

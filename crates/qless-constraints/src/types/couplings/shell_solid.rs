@@ -91,7 +91,8 @@ impl LineCoupling<'_> {
             (0..6).for_each(|k| motion[k] += a * own[k]);
             sizes = [sizes[0] + a.abs(), sizes[1] + a.abs() * norm(r)];
         }
-        // The moments sum to zero, so some factors of the motion are only rounding. They are left out.
+        // If the `a_i` are first moments, they sum to zero, so that some factors of the shell's motion are only rounding. These factors are
+        // set to zero.
         let rounding = |k: usize| ROUNDING * sizes[k / 3];
         motion.iter_mut().enumerate().filter(|(k, x)| x.abs() <= rounding(*k)).for_each(|(_, x)| *x = 0.0);
         clean(terms.iter_mut().map(|(_, a)| a), 1.0);

@@ -51,8 +51,8 @@ pub struct Cyclic<const D: usize, const F: usize = D> {
 
 /// Cyclic symmetry of harmonic k: F equations for the real parts of the amplitudes, and F for the imaginary parts.
 ///
-/// If k is 0 or half the number of sectors, `e^(i k alpha)` is real. Then no equation couples the real and imaginary
-/// parts, and the real part suffices.
+/// If the harmonic k is 0 or half the number of sectors, `e^(i k alpha)` is real for the sector angle alpha. Then no equation couples the
+/// real and imaginary parts, and the real part suffices.
 ///
 #[doc = include_str!("../../../docs/pictures/cyclic_harmonic.svg")]
 ///
