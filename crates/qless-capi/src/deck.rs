@@ -60,7 +60,7 @@ impl HeldDeck {
         Ok(held)
     }
 
-    /// The warnings, those about constraints that were left out first.
+    /// The warnings; those about constraints that were left out come first.
     fn warnings(&self) -> Vec<&Warning> {
         let all = self.deck.model().warnings();
         let (mut first, rest): (Vec<_>, Vec<_>) = all.iter().partition(|warning| warning.leaves_out);

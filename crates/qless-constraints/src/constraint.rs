@@ -314,7 +314,7 @@ pub enum EquationError {
         /// Number of DOFs.
         dofs: usize,
     },
-    /// A nonlinear equation has one DOF in two places.
+    /// A nonlinear equation or a rotation names one DOF twice.
     #[error("it names DOF {dof} twice; each of its points and bodies needs DOFs of its own")]
     RepeatedDof {
         /// The DOF.

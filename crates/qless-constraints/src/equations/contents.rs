@@ -1,4 +1,4 @@
-//! Equations of a constraint that is not yet, or no longer, part of a set: a new one, or one that is inactive.
+//! The contents of a new or inactive constraint: equations that the set does not evaluate now, and statements about DOFs.
 
 use crate::equations::LinearRhs;
 use crate::equations::dof_uses::DofStatement;

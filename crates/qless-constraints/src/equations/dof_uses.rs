@@ -13,7 +13,7 @@ use crate::scalar::Bounded;
 /// Fills unused entries of lists of DOFs.
 pub const NO_DOF: u32 = u32::MAX;
 
-/// What a constraint says of some DOFs.
+/// What a constraint states about some DOFs: the coordinates that they displace, or that they are a rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DofStatement {
     /// The DOFs displace a node or body from `at`. If `measured`, the parameters of the equations hold only differences of coordinates;
@@ -23,7 +23,7 @@ pub enum DofStatement {
     Rotation([u32; 4]),
 }
 
-/// What one DOF is.
+/// What one DOF is: a displacement, or part of a rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum DofUse {
     /// The DOF displaces the coordinate `at` of a node. `node` is the largest magnitude of the node's coordinates.
@@ -60,11 +60,11 @@ struct DofRecord {
 /// Two statements about one DOF that differ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DofClash {
-    /// Two coordinates, the new one first.
+    /// The statements give the DOF two coordinates, the new one first.
     Places([f64; 2]),
-    /// Two lists of rotation DOFs.
+    /// The statements give the rotation of the DOF different lists of DOFs.
     Rotations,
-    /// A displacement and a rotation.
+    /// One statement says that the DOF is a displacement, the other that it is part of a rotation.
     Uses,
 }
 

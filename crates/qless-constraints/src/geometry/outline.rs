@@ -2,7 +2,7 @@
 
 use crate::scalar::NO_EXTENT;
 
-/// Outline of a facet. Points of a line are `[s, 0]`.
+/// Outline of a facet in its mean plane: a polygon, or an interval of the points `[s, 0]` if the facet is a line.
 pub enum Outline {
     /// Lower and upper end.
     Interval(f64, f64),

@@ -71,7 +71,7 @@ pub enum ActiveError {
         /// The number.
         value: f64,
     },
-    /// A block of equations cannot be analysed or reduced.
+    /// A block of equations cannot be analysed or reduced, or an argument (a DOF or a number) is not valid.
     #[error(transparent)]
     Change(#[from] ChangeError),
 }

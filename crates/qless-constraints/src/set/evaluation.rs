@@ -96,7 +96,7 @@ impl ConstraintSet {
         plan
     }
 
-    /// Checks that c and G are those of the current set.
+    /// Checks that the evaluation belongs to this set, and that the set has not changed since c and G were evaluated.
     pub(super) fn current(&self, evaluation: &Evaluation) -> Result<(), ArgumentError> {
         self.own("the evaluation", evaluation.set)?;
         let what = "c and G";

@@ -48,7 +48,7 @@ pub struct Inequalities {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InequalityError {
-    /// A constraint belongs to another set, or was removed.
+    /// A constraint belongs to another set or was removed, or one of its functions of time is not finite.
     #[error(transparent)]
     Edit(#[from] EditError),
     /// The evaluation or the multipliers are out of date, or of another set.

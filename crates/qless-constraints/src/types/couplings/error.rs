@@ -169,7 +169,7 @@ pub enum LineFault {
         /// The DOF.
         dof: usize,
     },
-    /// The faces give the line no weight.
+    /// The integrals over the faces give the nodes of the line no positive area, or no positive second moment of area.
     #[error("has no share of the area of the faces; add lines at mid-edge nodes, or choose other faces")]
     NoArea,
 }

@@ -35,7 +35,7 @@ pub struct RigidMotionFit {
     factors: JacobiSvd,
     roots: Vec<f64>,
     centre: Vector<f64>,
-    /// The scale of rotations, a length.
+    /// The length by which rotations are multiplied, so that all six components of the motion are lengths.
     length: f64,
     /// Largest singular value that counts as zero. As a result, nodes count as on a line if they deviate from it by less than about 1e-8 of
     /// its length.

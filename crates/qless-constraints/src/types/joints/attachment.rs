@@ -161,8 +161,8 @@ impl<F: PointFunction, const N: usize> Nonlinear for OnPoints<F, N> {
     }
 }
 
-/// A point that moves with a body: `x = at + u + R arm`. `at + u` is the place of the body, and `arm` leads from there to the point at u =
-/// 0.
+/// A point that moves with a body: `x = at + u + R arm`. `at + u` is the place of the body. In the reference configuration, `arm` leads
+/// from there to the point.
 #[derive(Clone, Copy)]
 pub(crate) struct AttachedPoint {
     pub kind: RotationKind,

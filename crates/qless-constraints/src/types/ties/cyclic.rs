@@ -43,7 +43,7 @@ pub struct Cyclic<const D: usize, const F: usize = D> {
     pub b: Node<D, F>,
     /// Rotation from one sector to the next.
     pub turn: Turn<D>,
-    /// The kind of the fields.
+    /// Whether the fields are vectors, which rotate with the sector, or scalars.
     pub fields: Turning,
     /// Largest allowed distance between node b and the rotated node a, a length.
     pub tolerance: f64,
