@@ -20,9 +20,9 @@ const PRESCRIBED: c_int = 2;
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct qless_member {
-    /// `QLESS_EQUATION` or `QLESS_PRESCRIBED`.
+    /// Whether the member is an equation (`QLESS_EQUATION`) or a prescribed value (`QLESS_PRESCRIBED`).
     pub what: i64,
-    /// The equation or the DOF.
+    /// Index of the equation, or of the prescribed DOF.
     pub index: i64,
     /// Factor of the equation or of the prescribed value.
     pub coefficient: f64,

@@ -15,9 +15,9 @@ use crate::status::{CallFailure, OK, guard};
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct qless_change {
-    /// `QLESS_EQUATION` or `QLESS_PRESCRIBED`.
+    /// Whether the right-hand side of an equation changes (`QLESS_EQUATION`), or a prescribed value (`QLESS_PRESCRIBED`).
     pub what: i64,
-    /// The equation or the DOF.
+    /// Index of the equation, or of the prescribed DOF.
     pub index: i64,
     /// The value in the input.
     pub from: f64,

@@ -33,7 +33,7 @@ impl ConstraintContents {
         self.pieces.iter_mut().try_for_each(|piece| piece.at_time(time))
     }
 
-    /// c at u, with bounds on its rounding errors.
+    /// The values `c(u)` of all equations, with bounds on their rounding errors.
     pub fn values(&self, u: &[f64], time: f64) -> Vec<Bounded> {
         let of = |equation: &StagedEquation| {
             let term = |&(j, a): &(u32, f64)| Bounded::from(a) * Bounded::from(u[j as usize]);

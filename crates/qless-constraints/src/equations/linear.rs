@@ -21,7 +21,7 @@ pub struct StagedEquation {
 /// The linear equations of all active constraints of a set, in compressed rows.
 pub struct LinearEquations {
     pub owners: Vec<EquationOwner>,
-    /// b, at the time of the set.
+    /// The right-hand sides b, at the time of the set.
     rhs: Vec<f64>,
     /// Index of the first entry of each row, and at the end the number of entries.
     pub start: Vec<usize>,

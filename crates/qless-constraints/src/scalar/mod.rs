@@ -21,7 +21,7 @@ pub(crate) const HALF_DIGITS: f64 = 1e-8;
 /// coordinates.
 pub(crate) const NO_EXTENT: f64 = 1e-12;
 
-/// Sets factors to zero that are at most `blur` times the rounding of the largest. NaN stays.
+/// Sets factors to zero that are at most `blur` times eight units in the last place of the largest factor. NaN stays.
 pub(crate) fn clean<'a>(factors: impl Iterator<Item = &'a mut f64>, blur: f64) {
     let mut factors: Vec<&mut f64> = factors.collect();
     let largest = factors.iter().fold(0.0, |most: f64, factor| most.max(factor.abs()));

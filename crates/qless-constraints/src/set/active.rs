@@ -60,7 +60,7 @@ pub struct ActiveSystem {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ActiveError {
-    /// The set is not the one of the system, or the evaluation is out of date.
+    /// The set or the evaluation does not belong to this system, or the evaluation is out of date.
     #[error(transparent)]
     Argument(#[from] ArgumentError),
     /// A number of a linearised equation is not finite.

@@ -119,7 +119,7 @@ pub enum TimeError {
     NotFinite {
         /// Label of the equation or of its constraint.
         label: String,
-        /// The time of this evaluation.
+        /// The time at which the function was evaluated.
         time: f64,
         /// The value of the function.
         value: f64,

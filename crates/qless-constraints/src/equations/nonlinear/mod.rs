@@ -88,7 +88,7 @@ pub trait StagedNonlinear: Send + Sync {
     fn kind(&self, nonlinear: &NonlinearEquations) -> Option<usize>;
     /// Evaluates parameters that are functions of time. The error is a value that is not finite.
     fn at_time(&mut self, time: f64) -> Result<(), f64>;
-    /// c at u, with bounds on its rounding errors.
+    /// The values `c(u)` of the item's equations, with bounds on their rounding errors.
     fn values(&self, dofs: &[u32], u: &[f64]) -> Vec<Bounded>;
     /// Stores the item in the batch of its type.
     fn commit(

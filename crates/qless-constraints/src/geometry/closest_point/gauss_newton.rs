@@ -31,7 +31,7 @@ pub fn closest_parameters<const D: usize>(
     let (mut closest, mut before) = (ClosestParameters { xi: start, converged: false }, f64::INFINITY);
     for count in 0..MAX_STEPS {
         let Some(step) = step(shape, nodes, closest.xi) else {
-            // Even a sound element may have a singular map outside of its boundary.
+            // Even a sound element may have a singular map outside of its boundary. Then the iteration ends without convergence.
             return (count > 0).then_some(ClosestParameters { converged: false, ..closest });
         };
         // The iterates are not clamped to the element: the path to an inner point may lead outside.

@@ -29,7 +29,7 @@ const TETRAHEDRON: [ShapeParameters; 10] =
     with_middles(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], Shape::Tet10);
 const SQUARE: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
 
-/// A corner of the square at the height zeta.
+/// Parameters of corner k of the square [-1, 1] x [-1, 1], at the height zeta.
 const fn corner(k: usize, zeta: f64) -> ShapeParameters {
     [SQUARE[k][0], SQUARE[k][1], zeta]
 }

@@ -79,7 +79,7 @@ pub enum CouplingError {
         component: Component,
         /// Translation of the reference in a motion that no node observes, in units of the size of the group of nodes.
         translation: Vector<f64>,
-        /// Rotation of the reference in this motion. Translation and rotation together have norm one.
+        /// Rotation of the reference in the motion that no node observes. Translation and rotation together have norm one.
         rotation: Vector<f64>,
     },
     /// Some rotations of a node, but not all three, are to follow a finite rotation.

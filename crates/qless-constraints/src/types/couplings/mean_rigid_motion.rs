@@ -61,7 +61,7 @@ impl RigidMotionFit {
         Self { factors, roots, centre, length: unit / balance, least, blur }
     }
 
-    /// Factors of the observations in `motion . q`, where q is the motion of a reference at `place`.
+    /// Returns the factors `a_k` of `motion . q = sum_k a_k u_k`, where q is the fitted motion at `place` and `u_k` are the observations.
     pub fn factors_of(&self, motion: [f64; 6], place: Vector<f64>) -> Result<Vec<f64>, CouplingError> {
         let p = self.about_centre(motion, place);
         let v = |j: usize| (0..6).map(|i| self.factors.v[i][j] * p[i]).sum::<f64>();
@@ -87,7 +87,8 @@ impl RigidMotionFit {
         [a, b, c, turn[0] / self.length, turn[1] / self.length, turn[2] / self.length]
     }
 
-    /// The error names the undetermined motion of the reference that changes `motion . q` most.
+    /// Makes the error for a motion that is not determined. The error names the undetermined motion of the reference that changes
+    /// `motion . q` most.
     fn undetermined_error(
         &self,
         motion: [f64; 6],
@@ -133,7 +134,7 @@ fn row(observation: &MotionObservation, r: Vector<f64>, unit: f64) -> [f64; 6] {
     [a, b, c, d / unit, e / unit, f / unit].map(|x| observation.root * x)
 }
 
-/// The factor that gives rotations the same total weight as translations, for a good condition.
+/// The factor that gives rotations the same total weight as translations, so that the matrix is well conditioned.
 fn balance(rows: &[[f64; 6]]) -> f64 {
     let size = |columns: std::ops::Range<usize>| {
         rows.iter().flat_map(|row| &row[columns.clone()]).fold(0.0, |sum: f64, x| sum.hypot(*x))

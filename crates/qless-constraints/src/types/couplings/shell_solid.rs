@@ -164,7 +164,7 @@ impl Constraint for ShellToSolid {
     }
 }
 
-/// Largest allowed distance of a node from the line, relative to the length of the line.
+/// Largest allowed distance of a solid node from the line through the thickness, relative to the length of the line.
 const BENT: f64 = 0.01;
 
 /// Solid nodes on a straight line through the thickness, near a shell node. Each has a share of the side of the solid: its area
@@ -174,7 +174,7 @@ pub struct LineShares {
     /// Indices of the nodes of the line in the surface.
     pub nodes: Vec<usize>,
     origin: Vector<f64>,
-    /// Heights `z_i` of the nodes along the line, above the origin.
+    /// Heights `z_i` of the nodes along the line, measured from its first node.
     heights: Vec<f64>,
     /// The areas `w_i`; [`LineShares::normalise`] divides them by their sum.
     pub weights: Vec<f64>,

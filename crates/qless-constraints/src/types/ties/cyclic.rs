@@ -87,7 +87,7 @@ pub struct CyclicHarmonic<const D: usize, const F: usize = D> {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CyclicError {
-    /// The fields are not vectors.
+    /// The fields cannot be vectors: their number F is not a multiple of the dimension D.
     #[error("{fields} fields are not vectors of {dimensions} components each; tie vectors and scalars separately")]
     NoVectors {
         /// F, the number of fields.
