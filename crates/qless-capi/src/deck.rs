@@ -168,7 +168,7 @@ pub unsafe extern "C" fn qless_deck_warning(
     })
 }
 
-/// Diagnoses the equations of a load case, at all times.
+/// Diagnoses the equations of a load case, at its end and for the prescribed values of each time history alone.
 ///
 /// # Safety
 /// `analysis` may be written.

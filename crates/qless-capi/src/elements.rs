@@ -10,7 +10,8 @@ use crate::handles::{get, insert, qless_elimination, qless_pattern};
 use crate::pattern::{ElementDofs, HeldPattern, prescribed_dofs, storage};
 use crate::status::{CallFailure, OK, guard};
 
-/// A function of the caller that adds `K_e`, by rows, and `f_e` of an element to arrays of zeros. Another result than 0 stops the assembly.
+/// A function of the caller that adds `K_e`, by rows, and `f_e` of an element to arrays of zeros. If it returns a number other than 0, the
+/// assembly stops.
 #[expect(non_camel_case_types, reason = "a name of C")]
 pub type qless_element = Option<unsafe extern "C" fn(*mut c_void, i64, *mut f64, *mut f64) -> c_int>;
 
@@ -47,7 +48,7 @@ impl<I: CIndex> GivenElements<I> {
     }
 }
 
-/// The pattern of K_q by rows for the elements of a model.
+/// Makes the pattern of the condensed matrix `K_q = L^T K L` in compressed rows, from the DOFs of the elements of a model.
 ///
 /// # Safety
 /// The arrays have the lengths that the header states.

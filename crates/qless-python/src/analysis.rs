@@ -120,7 +120,7 @@ impl PyAnalysis {
         self.0.noise().iter().map(|term| (term.row, term.dof, term.coefficient)).collect()
     }
 
-    /// The report as JSON, with repairs and at most `terms` terms of explanations.
+    /// The report as JSON, with repairs, and with explanations of at most `terms` members in total.
     #[pyo3(signature = (terms=Report::TERMS))]
     fn json(&self, py: Python<'_>, terms: usize) -> PyResult<String> {
         let report = py.detach(|| Report::new(&self.0, terms).with_repairs(&self.0));
