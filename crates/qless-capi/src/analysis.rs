@@ -16,7 +16,7 @@ use crate::status::{AMBIGUOUS, CallFailure, OK, guard};
 pub(crate) struct HeldAnalysis {
     pub(crate) analysis: Arc<Analysis>,
     pub(crate) base: IndexBase,
-    /// A limit of the verdict that its doubt does not state, as a sentence.
+    /// A sentence that limits the verdict: it holds only for the prescribed values of one time history of a deck.
     pub(crate) remark: Option<String>,
     /// The repairs of conflicts, computed when they are first needed.
     pub(crate) repairs: OnceLock<Vec<Repair>>,
@@ -39,7 +39,7 @@ impl HeldAnalysis {
     }
 }
 
-/// The equations of the caller.
+/// The arguments of [`qless_analyse`]: the equations `C u = b` and the prescribed DOFs of the caller.
 struct Given<I> {
     sizes: [i64; 3],
     base: c_int,
@@ -53,8 +53,8 @@ struct Given<I> {
 
 impl<I: CIndex> Given<I> {
     /// # Safety
-    /// The arrays are as long as the sizes say. `starts` has one number more than there are equations; its last number gives the number of
-    /// entries.
+    /// The arrays are as long as `sizes` says: numbers of equations, DOFs and prescribed DOFs. `starts` has one number more than there are
+    /// equations; its last number, less the index base, is the length of `columns` and `values`.
     unsafe fn analyse(
         &self,
         options: *const qless_options,
@@ -191,7 +191,8 @@ pub unsafe extern "C" fn qless_kinds(analysis: *const qless_analysis, kinds: *mu
     })
 }
 
-/// The confidence in the rank, in digits, and whether the rank is ambiguous.
+/// Writes the confidence in digits. `kept`: a change of coefficients in this digit can make the kept equations dependent. `dropped`: the
+/// digits to which the dropped equations agree with the kept ones. `ambiguous`: whether another rank or verdict is possible.
 ///
 /// # Safety
 /// Each pointer may be written.
@@ -237,7 +238,7 @@ unsafe fn explain<I: CIndex>(
     Ok(OK)
 }
 
-/// Why an equation is dependent: `row = sum coefficients_k rows_k`. With room 0 only `count` is set.
+/// The certificate of a dependent equation: `row = sum coefficients_k rows_k` over kept equations. With room 0 only `count` is set.
 ///
 /// # Safety
 /// `rows` and `coefficients` have room for `room` numbers, and `count` may be written.

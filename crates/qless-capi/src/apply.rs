@@ -46,7 +46,7 @@ unsafe fn apply(
 ) -> Result<c_int, CallFailure> {
     let held: Arc<HeldElimination> = get(elimination)?;
     let (input_length, room) = (length("the input", input_length)?, length("the output", output_length)?);
-    // SAFETY: the caller upholds the contract. `work` checks the lengths.
+    // SAFETY: the caller upholds the contract. The function `work` checks the lengths.
     let (input, output) =
         unsafe { (read("the input", input, input_length)?, write("the output", output, output_length, room)?) };
     work(&*held.read()?, input, output)?;

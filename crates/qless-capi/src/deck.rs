@@ -27,7 +27,8 @@ impl HeldDeck {
         if self.deck.model().left_out().next().is_some() { INCOMPLETE } else { OK }
     }
 
-    /// The load case with this number; for a negative number the first one, if all load cases constrain the same.
+    /// The load case with this number. A negative number gives the first load case; it is an error unless all load cases have the same
+    /// constraints.
     fn load_case(&self, number: i64) -> Result<&LoadCase, CallFailure> {
         let cases = self.deck.model().cases();
         if number < 0 {
@@ -43,8 +44,8 @@ impl HeldDeck {
         found.ok_or_else(|| CallFailure::input(format!("{what} {number}: there are {}", list.len())))
     }
 
-    /// Analyses a load case. If the prescribed values of one time history alone conflict, although all values at the end do not, the result
-    /// is the analysis of that history, and a remark names it.
+    /// Analyses a load case at its end. The prescribed values of one time history alone may conflict, although all values together do not
+    /// conflict at the end. Then the result is the analysis of that history, and a remark names it.
     fn analyse(&self, case: &LoadCase, options: &qless::Options) -> Result<HeldAnalysis, CallFailure> {
         let model = self.deck.model();
         let (history, found) = model.at_all_times(case, |history| {
@@ -59,7 +60,7 @@ impl HeldDeck {
         Ok(held)
     }
 
-    /// The warnings, those about constraints that were left out first.
+    /// The warnings; those about constraints that were left out come first.
     fn warnings(&self) -> Vec<&Warning> {
         let all = self.deck.model().warnings();
         let (mut first, rest): (Vec<_>, Vec<_>) = all.iter().partition(|warning| warning.leaves_out);
@@ -167,7 +168,7 @@ pub unsafe extern "C" fn qless_deck_warning(
     })
 }
 
-/// Diagnoses the equations of a load case, at all times.
+/// Diagnoses the equations of a load case, at its end and for the prescribed values of each time history alone.
 ///
 /// # Safety
 /// `analysis` may be written.

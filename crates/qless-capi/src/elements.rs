@@ -1,5 +1,5 @@
-//! Assembles elements into a condensed matrix without K: `K_q += L_e^T K_e L_e`, `f_q += L_e^T (f_e - K_e u_0)`, where `L_e` are the rows
-//! of L for the DOFs of element e.
+//! Assembles elements into a condensed matrix without K: `K_q += L_e^T K_e L_e`, `f_q += L_e^T (f_e - K_e u_0)`, with `u = L u_q + u_0`.
+//! `L_e` are the rows of L for the DOFs of element e, and `u_0` is taken at these DOFs.
 
 use std::ffi::{c_int, c_void};
 use std::sync::{Arc, OnceLock};
@@ -10,7 +10,8 @@ use crate::handles::{get, insert, qless_elimination, qless_pattern};
 use crate::pattern::{ElementDofs, HeldPattern, prescribed_dofs, storage};
 use crate::status::{CallFailure, OK, guard};
 
-/// A function of the caller that adds `K_e`, by rows, and `f_e` of an element to arrays of zeros. Another result than 0 stops the assembly.
+/// A function of the caller that adds `K_e`, by rows, and `f_e` of an element to arrays of zeros. If it returns a number other than 0, the
+/// assembly stops.
 #[expect(non_camel_case_types, reason = "a name of C")]
 pub type qless_element = Option<unsafe extern "C" fn(*mut c_void, i64, *mut f64, *mut f64) -> c_int>;
 
@@ -47,7 +48,7 @@ impl<I: CIndex> GivenElements<I> {
     }
 }
 
-/// The pattern of K_q by rows for the elements of a model.
+/// Makes the pattern of the condensed matrix `K_q = L^T K L` in compressed rows, from the DOFs of the elements of a model.
 ///
 /// # Safety
 /// The arrays have the lengths that the header states.
@@ -127,7 +128,7 @@ pub unsafe extern "C" fn qless_assemble(
             if stopped.get().is_none() {
                 let e = held.elimination.base.shown(e);
                 let status = unsafe { element(context.get(), e, matrix.as_mut_ptr(), forces.as_mut_ptr()) };
-                // If another thread has stopped the assembly before, its element is reported, which is as good as this one.
+                // If another thread stopped the assembly earlier, this status is dropped: one reported element suffices.
                 if status != 0 {
                     _ = stopped.set((e, status));
                 }

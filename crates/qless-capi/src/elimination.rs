@@ -1,4 +1,4 @@
-//! The reduced form: slaves, masters, T, G, g.
+//! The reduced form `u_s = T u_q + G u_p + g`: slaves u_s, masters u_q, prescribed DOFs u_p, T, G and g.
 
 use std::ffi::c_int;
 use std::sync::{Arc, RwLock, RwLockReadGuard};
@@ -146,7 +146,7 @@ unsafe fn rows<I: CIndex>(
     Ok(OK)
 }
 
-/// T in compressed rows: row i is slave i, column q is master q.
+/// T of `u_s = T u_q + G u_p + g` in compressed rows: row i is slave i, column q is master q.
 ///
 /// # Safety
 /// `starts` has room for one number more than there are slaves; `columns` and `values` for the entries of T.
@@ -182,7 +182,7 @@ pub unsafe extern "C" fn qless_t_64(
     })
 }
 
-/// G in compressed rows: row i is slave i, column p is prescribed DOF p.
+/// G of `u_s = T u_q + G u_p + g` in compressed rows: row i is slave i, column p is prescribed DOF p.
 ///
 /// # Safety
 /// As [`qless_t`], with the entries of G.
@@ -218,7 +218,7 @@ pub unsafe extern "C" fn qless_g_matrix_64(
     })
 }
 
-/// g, one number per slave, for the current b and prescribed values.
+/// g of `u_s = T u_q + G u_p + g`, one number per slave, for the current right-hand sides b.
 ///
 /// # Safety
 /// `g` has room for `length` numbers.

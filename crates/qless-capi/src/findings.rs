@@ -11,7 +11,7 @@ use crate::arrays::{CIndex, has_room, set, write, write_text};
 use crate::handles::{get, qless_analysis};
 use crate::status::{CallFailure, OK, guard};
 
-/// Values of the argument `what`: an equation, a DOF, a prescribed value.
+/// Values of the argument `what`, which says whether an index means an equation, a DOF, or the prescribed value of a DOF.
 const EQUATION: c_int = 0;
 const DOF: c_int = 1;
 const PRESCRIBED: c_int = 2;
@@ -20,9 +20,9 @@ const PRESCRIBED: c_int = 2;
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct qless_member {
-    /// `QLESS_EQUATION` or `QLESS_PRESCRIBED`.
+    /// Whether the member is an equation (`QLESS_EQUATION`) or a prescribed value (`QLESS_PRESCRIBED`).
     pub what: i64,
-    /// The equation or the DOF.
+    /// Index of the equation, or of the prescribed DOF.
     pub index: i64,
     /// Factor of the equation or of the prescribed value.
     pub coefficient: f64,
@@ -81,7 +81,7 @@ pub unsafe extern "C" fn qless_fixed_64(
     guard(|| unsafe { fixed(analysis, (dofs, values), room, count) })
 }
 
-/// Few equations and prescribed values whose sum is a dependent equation or the value of a fixed DOF.
+/// Writes few equations and prescribed values, with factors, whose weighted sum is a dependent equation or the value of a fixed DOF.
 ///
 /// # Safety
 /// `members` has room for `room` members; `rhs` and `count` may be written.
@@ -131,7 +131,8 @@ fn unknown(what: c_int, choice: &str) -> CallFailure {
     CallFailure::input(format!("what is {what}; give {choice}"))
 }
 
-/// Why the verdict is in doubt or limited, as a number and as lines of text.
+/// Why the verdict is in doubt, as a number, and as lines of text. The text also gives the rank in another reading of coefficients, and
+/// says if the verdict holds for some times only.
 ///
 /// # Safety
 /// `doubt` and `length` may be written, and `text` has room for `room` bytes.

@@ -73,7 +73,7 @@ pub fn remove<H, T: Any + Send + Sync>(handle: *mut H) -> Result<c_int, CallFail
     if handle.is_null() {
         return Ok(OK);
     }
-    // The object is dropped after the table is unlocked.
+    // Keeps the object alive while the table is locked. It is dropped afterwards, since dropping may take long.
     let kept = get::<H, T>(handle)?;
     unharmed(table().write())?.remove(&handle.addr());
     drop(kept);

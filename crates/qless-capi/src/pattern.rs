@@ -1,4 +1,5 @@
-//! Condensed matrices: the pattern of `K_q = L^T K L` is made once; its values and `f_q = L^T (f - K u_0)` are computed in every step.
+//! Condensed matrices, with `u = L u_q + u_0`: the pattern of `K_q = L^T K L` is made once. The values of `K_q` and `f_q = L^T (f - K u_0)`
+//! are computed in every step.
 
 use std::ffi::c_int;
 use std::sync::Arc;
@@ -46,7 +47,7 @@ pub(crate) fn storage(number: c_int) -> Result<Storage, CallFailure> {
     }
 }
 
-/// What becomes of prescribed DOFs: `QLESS_ELIMINATED` or `QLESS_KEPT`.
+/// Whether the condensed matrix is without the prescribed DOFs (`QLESS_ELIMINATED`) or keeps them (`QLESS_KEPT`).
 pub(crate) fn prescribed_dofs(number: c_int) -> Result<PrescribedDofs, CallFailure> {
     match number {
         0 => Ok(PrescribedDofs::Eliminated),
@@ -215,7 +216,7 @@ pub unsafe extern "C" fn qless_pattern_arrays_64(
     guard(|| unsafe { arrays(pattern, [starts, index, dofs]) })
 }
 
-/// `K_q = L^T K L`, and `f_q = L^T (f - K u_0)` for the current b and prescribed values of the elimination.
+/// Computes `K_q = L^T K L` and `f_q = L^T (f - K u_0)`, with `u = L u_q + u_0` for the current b and prescribed values of the elimination.
 ///
 /// # Safety
 /// The arrays have the lengths that are given and do not overlap.

@@ -15,9 +15,9 @@ use crate::status::{CallFailure, OK, guard};
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct qless_change {
-    /// `QLESS_EQUATION` or `QLESS_PRESCRIBED`.
+    /// Whether the right-hand side of an equation changes (`QLESS_EQUATION`), or a prescribed value (`QLESS_PRESCRIBED`).
     pub what: i64,
-    /// The equation or the DOF.
+    /// Index of the equation, or of the prescribed DOF.
     pub index: i64,
     /// The value in the input.
     pub from: f64,
@@ -58,7 +58,8 @@ pub unsafe extern "C" fn qless_repairs(analysis: *const qless_analysis, groups: 
     })
 }
 
-/// Sizes of a group: its conflicting equations, the ways that cure them, and the changes of each way.
+/// Sizes of a group of conflicts: the number of its conflicting equations, the number of ways to cure them, and the number of changes of
+/// each way. A way is a set of changes that cures all conflicts of the group.
 ///
 /// # Safety
 /// Each pointer may be written.
@@ -103,7 +104,7 @@ pub unsafe extern "C" fn qless_repair_conflicts(
     })
 }
 
-/// The changes of a way to cure a group of conflicts. The most plausible way has the lowest number.
+/// The changes of one way, which is a set of changes that cures all conflicts of a group. The most plausible way has the lowest number.
 ///
 /// # Safety
 /// `changes` has room for `length` changes.

@@ -130,7 +130,7 @@ pub fn guard(work: impl FnOnce() -> Result<c_int, CallFailure>) -> c_int {
     failure.status
 }
 
-/// Message of the last call that failed on this thread, or an empty text; valid until the next call that fails on it.
+/// Message of the last call that failed on this thread, or an empty text. It is valid until the next call that fails on this thread.
 #[unsafe(no_mangle)]
 pub extern "C" fn qless_message() -> *const c_char {
     MESSAGE.with(|message| message.try_borrow().map_or(c"".as_ptr(), |message| message.as_ptr()))

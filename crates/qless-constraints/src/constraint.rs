@@ -22,7 +22,7 @@ use crate::geometry::node::Node;
 pub use crate::nonlinear::Nonlinear;
 use crate::scalar::SUM_ROUNDING;
 
-/// A constraint type. A value of the type is the input of one constraint.
+/// A constraint type. A value of this type is the input of one constraint, which [`Constraint::emit`] turns into equations.
 ///
 /// ```
 /// use qless_constraints::{Constraint, ConstraintSet, EquationSink};
@@ -61,8 +61,8 @@ pub trait Constraint {
     /// Checks the input and emits its linear and nonlinear equations.
     ///
     /// # Errors
-    /// A fault of the input; nothing is added then. The sink itself refuses DOFs out of range, repeated DOFs and numbers that are
-    /// not finite, in equations or stated by [`EquationSink::numbers`], so a type need not check these.
+    /// A fault of the input; nothing is added then. The sink itself refuses DOFs out of range, repeated DOFs of nonlinear equations, and
+    /// numbers that are not finite, in equations or in [`EquationSink::numbers`]. So a type need not check these.
     fn emit(self, sink: &mut EquationSink) -> Result<(), Self::Error>;
 }
 
@@ -70,7 +70,7 @@ pub trait Constraint {
 /// are finite.
 const LARGEST: f64 = 1e50;
 /// Repetitions in a list of up to this many entries are found by comparing all entries; longer lists are sorted first. A new statement
-/// about DOFs is compared with up to this many earlier ones.
+/// about DOFs is compared with this many of the latest statements, to drop repetitions.
 const FEW: usize = 16;
 
 /// Receives the linear and nonlinear equations of the constraint that is being added.
@@ -106,8 +106,8 @@ impl EquationSink {
 
     /// Adds `sum a_j u_j = rhs`; terms on the same DOF are summed. `name` distinguishes the equations of one constraint.
     ///
-    /// If terms cancel up to rounding, the coefficient is zero: a residue of 1e-17 would otherwise count as a coefficient, and add to the
-    /// rank.
+    /// If the terms of a DOF cancel up to rounding, its coefficient is set to zero. Otherwise a residue of 1e-17 would count as a
+    /// coefficient, and add to the rank.
     pub fn equation(
         &mut self,
         name: impl Into<Cow<'static, str>>,
@@ -203,7 +203,8 @@ impl EquationSink {
     /// States that these DOFs are the rotation of a body: the three components of a rotation vector, or `p - (1, 0, 0, 0)` of four Euler
     /// parameters p, which the set keeps at length one.
     ///
-    /// The DOFs of a rotation have no other use: another order of them, and their use as displacements, are refused.
+    /// The DOFs of a rotation have no other use. The set refuses a constraint that lists them in another order, or uses them as
+    /// displacements.
     pub fn rotation(&mut self, dofs: &[usize]) {
         if !(3..=4).contains(&dofs.len()) {
             self.fail(EquationError::DofCount { found: dofs.len(), expected: 4 });
@@ -313,7 +314,7 @@ pub enum EquationError {
         /// Number of DOFs.
         dofs: usize,
     },
-    /// A nonlinear equation has one DOF in two places.
+    /// A nonlinear equation or a rotation names one DOF twice.
     #[error("it names DOF {dof} twice; each of its points and bodies needs DOFs of its own")]
     RepeatedDof {
         /// The DOF.
@@ -356,7 +357,7 @@ pub enum EquationError {
     DofCount {
         /// Number of DOFs given.
         found: usize,
-        /// Number of DOFs required.
+        /// Number of DOFs required; 4 for a rotation, although 3 are also allowed.
         expected: usize,
     },
     /// An inequality has no equation, or more than one.

@@ -29,8 +29,8 @@ pub trait Nonlinear: Send + Sync + Sized + 'static {
     /// [`crate::ConstraintSet::set_time`].
     ///
     /// # Errors
-    /// The value of a function of time that is not finite. If the constraint is active, the set then keeps its old time, and calls this
-    /// function again with that time.
+    /// A value of a function of time, if it is not finite. If the constraint is active, the set then keeps its old time, and calls
+    /// `at_time` again with that time.
     fn at_time(&mut self, _time: f64) -> Result<(), f64> {
         Ok(())
     }
@@ -43,7 +43,8 @@ pub trait Nonlinear: Send + Sync + Sized + 'static {
         None
     }
 
-    /// Calls `pair(j, k)`, `j >= k`, once for each pair of local DOFs for which some `d^2 c / du_j du_k` is not zero.
+    /// Calls `pair(j, k)`, `j >= k`, once for each pair of local DOFs for which some `d^2 c / du_j du_k` is not zero. The default calls it
+    /// for all pairs.
     fn pairs(&self, dofs: usize, pair: &mut dyn FnMut(usize, usize)) {
         (0..dofs).for_each(|j| (0..=j).for_each(|k| pair(j, k)));
     }

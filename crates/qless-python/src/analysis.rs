@@ -19,7 +19,7 @@ use crate::system::{PySystem, places};
 #[derive(Debug)]
 pub struct PyAnalysis(Arc<Analysis>);
 
-/// Rows or DOFs, and a number for each.
+/// An array of rows or DOFs, and an array with a number for each of them.
 type TermArrays<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<f64>>);
 
 /// `(row, DOF, coefficient)` of each coefficient.
@@ -67,14 +67,15 @@ impl PyAnalysis {
         (places(py, &dofs), values.into_pyarray(py))
     }
 
-    /// The certificate of a row, and its relative error, or 0 if the error is at most the tolerance.
+    /// The certificate of a row, and its relative error. The error is 0 if it is at most the tolerance, or if it is not computed (quick
+    /// effort).
     fn because<'py>(&self, py: Python<'py>, row: usize) -> PyResult<(TermArrays<'py>, f64)> {
         let found = py.detach(|| self.0.because(row).and_then(|found| Ok((found, self.0.because_error(row)?))));
         let (found, error) = found.map_err(|error| argument_error(&error))?;
         Ok((terms(py, &found), error))
     }
 
-    /// Why a DOF is fixed: rows, and their coefficients.
+    /// Why a DOF is fixed: equations whose weighted sum determines it, as rows and coefficients.
     fn because_fixed<'py>(&self, py: Python<'py>, dof: usize) -> PyResult<TermArrays<'py>> {
         let found = py.detach(|| self.0.because_fixed(dof)).map_err(|error| plain("FactorError", &error))?;
         Ok(terms(py, &found))
@@ -92,13 +93,13 @@ impl PyAnalysis {
         Ok(found.map(|found| arrays(py, &found)))
     }
 
-    /// The fewest changes that cure the conflicts.
+    /// For each group of conflicts, sets of few changes that cure them.
     fn repairs(&self, py: Python<'_>) -> PyResult<Vec<RepairNumbers>> {
         let found = py.detach(|| self.0.repairs()).map_err(|error| plain("FactorError", &error))?;
         Ok(found.iter().map(numbers).collect())
     }
 
-    /// `(digits kept, digits dropped, ambiguous, doubt)`.
+    /// The confidence: `(digits kept, digits dropped, ambiguous, doubt)`, as in `Confidence::digits_kept` and `Confidence::digits_dropped`.
     fn confidence(&self) -> (f64, f64, bool, Option<String>) {
         let confidence = self.0.confidence();
         let doubt = confidence.doubt.map(|doubt| serde_json::to_string(&doubt).unwrap_or_default());
@@ -106,7 +107,8 @@ impl PyAnalysis {
         (confidence.digits_kept(), confidence.digits_dropped(), confidence.ambiguous, doubt)
     }
 
-    /// Another reading of numbers that may be rounding: `(as zero, rank, conflicting, [(row, DOF, coefficient)])`.
+    /// The result if the listed coefficients, which may be rounding, are read the other way (as zero, or as given):
+    /// `(as zero, rank, number of conflicting equations, [(row, DOF, coefficient)])`.
     fn other_reading(&self) -> Option<(bool, usize, usize, Coefficients)> {
         let other = self.0.other_reading()?;
         let terms = other.terms.iter().map(|term| (term.row, term.dof, term.coefficient)).collect();
@@ -118,7 +120,7 @@ impl PyAnalysis {
         self.0.noise().iter().map(|term| (term.row, term.dof, term.coefficient)).collect()
     }
 
-    /// The report as JSON, with repairs and at most `terms` terms of explanations.
+    /// The report as JSON, with repairs, and with explanations of at most `terms` members in total.
     #[pyo3(signature = (terms=Report::TERMS))]
     fn json(&self, py: Python<'_>, terms: usize) -> PyResult<String> {
         let report = py.detach(|| Report::new(&self.0, terms).with_repairs(&self.0));
@@ -126,7 +128,7 @@ impl PyAnalysis {
         py.detach(|| serde_json::to_string(&report)).map_err(|error| plain("Error", &error))
     }
 
-    /// The reduced form.
+    /// Chooses slaves and computes the reduced form.
     fn eliminate(&self, py: Python<'_>) -> PyResult<PyElimination> {
         PyElimination::new(py, &self.0)
     }

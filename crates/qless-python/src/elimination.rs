@@ -41,7 +41,8 @@ impl PyElimination {
         Ok(Self { system, elimination: RwLock::new(elimination), pattern: Mutex::new(None) })
     }
 
-    /// Ignores that a call panicked while it held the lock: that call has reported it.
+    /// Locks the elimination for reading. If an earlier call panicked while it held the lock, this is ignored: that call reported the
+    /// panic.
     fn read(&self) -> RwLockReadGuard<'_, Elimination> {
         self.elimination.read().unwrap_or_else(PoisonError::into_inner)
     }
@@ -73,7 +74,7 @@ impl PyElimination {
         places(py, &list)
     }
 
-    /// The pattern for these arrays: the last one, if it was made from the same arrays.
+    /// The condensed pattern for a matrix K with these arrays. The last pattern is returned if it was made from the same arrays.
     fn pattern(
         &self,
         starts: Vec<usize>,
@@ -105,7 +106,7 @@ pub fn numbers_of(kinds: &[Kind]) -> Vec<u8> {
 }
 
 fn narrow(index: &IndexArray<'_>) -> Vec<u32> {
-    // An index out of range stays out of range, and the library refuses it.
+    // An index that does not fit into 32 bits becomes `u32::MAX`. This is out of range too, so that the library refuses it.
     let narrow = |k: i64| u32::try_from(k).unwrap_or(u32::MAX);
     match index {
         IndexArray::Narrow(index) => index.as_array().iter().map(|&k| narrow(k.into())).collect(),
@@ -139,12 +140,12 @@ impl PyElimination {
         self.with(py, |elimination| numbers_of(elimination.kinds())).into_pyarray(py)
     }
 
-    /// T as `(starts, columns, values)`, slaves x masters.
+    /// T of `u_s = T u_q + G u_p + g` as `(starts, columns, values)`, slaves x masters.
     fn t<'py>(&self, py: Python<'py>) -> RowArrays<'py> {
         row_arrays(py, &self.with(py, |elimination| elimination.reduction().t().clone()))
     }
 
-    /// G as `(starts, columns, values)`, slaves x prescribed DOFs.
+    /// G of `u_s = T u_q + G u_p + g` as `(starts, columns, values)`, slaves x prescribed DOFs.
     fn g_matrix<'py>(&self, py: Python<'py>) -> RowArrays<'py> {
         row_arrays(py, &self.with(py, |elimination| elimination.reduction().g_matrix().clone()))
     }

@@ -17,7 +17,8 @@ pub type ExplanationArrays<'py> = (
 /// `(row, DOF, present value, new value)`; either the row or the DOF is given.
 type ChangeNumbers = (Option<usize>, Option<usize>, f64, f64);
 
-/// `(conflicting rows, ways, number of ways)`.
+/// `(conflicting rows, ways, number of ways)`. A way is a list of changes that cures the conflicts. The number may exceed the length of the
+/// list `ways`.
 pub type RepairNumbers = (Vec<usize>, Vec<Vec<ChangeNumbers>>, usize);
 
 /// An explanation as arrays.

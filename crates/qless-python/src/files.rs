@@ -26,8 +26,8 @@ impl From<ReadError> for Fault {
     }
 }
 
-/// Reads a file or folder. A deck is read for a solver and a load case; if they are not given, the file shows the solver, and all load
-/// cases must constrain the same.
+/// Reads a file or folder. A deck is read for a solver and a load case. Without `solver`, the solver is recognised from the file. Without
+/// `case`, the first load case is read; it is an error unless all load cases have the same constraints.
 #[pyfunction]
 #[pyo3(signature = (path, solver=None, case=None))]
 pub fn read(
@@ -73,7 +73,7 @@ fn said(deck: &Deck, warning: &Warning) -> String {
     format!("{}: {}", deck.model().place_of(warning), warning.text)
 }
 
-/// The load case with this name; without a name the first one, if all load cases constrain the same.
+/// The load case with this name. Without a name, the first load case; it is an error unless all load cases have the same constraints.
 fn load_case<'a>(cases: &'a [LoadCase], name: Option<&str>) -> Result<&'a LoadCase, String> {
     let names = || cases.iter().map(|case| case.name.as_str()).collect::<Vec<_>>().join(", ");
     let first = cases.first().ok_or("the deck has no load case")?;

@@ -23,7 +23,7 @@ pub fn run<R: Send + 'static>(py: Python<'_>, size: usize, work: impl FnOnce() -
     let (sender, receiver) = channel();
     // Sending fails after Ctrl-C, because the receiver no longer exists.
     let worker = std::thread::Builder::new().name("qless".to_owned()).spawn(move || _ = sender.send(work()))?;
-    // A `Receiver` is not `Sync`. A lock, which no other thread takes, makes it so.
+    // The closure below borrows the receiver, which must be `Sync` for this. A lock, which no other thread takes, makes it `Sync`.
     let receiver = std::sync::Mutex::new(receiver);
     loop {
         let received = py.detach(|| match receiver.lock() {

@@ -35,7 +35,7 @@ pub enum Dense<'py> {
 /// Prescribed DOFs and their values.
 type PrescribedArrays<'py> = (PyReadonlyArray1<'py, i64>, PyReadonlyArray1<'py, f64>);
 
-/// The data of a system apart from its matrix: b, prescribed DOFs, labels of equations and of DOFs.
+/// The data of a system `C u = b` apart from C: right-hand sides b, prescribed DOFs, labels of equations and of DOFs.
 #[derive(FromPyObject)]
 pub struct Sides<'py> {
     #[pyo3(item)]

@@ -1,4 +1,4 @@
-//! Equations of a constraint that is not yet, or no longer, part of a set: a new one, or one that is inactive.
+//! The contents of a new or inactive constraint: equations that the set does not evaluate now, and statements about DOFs.
 
 use crate::equations::LinearRhs;
 use crate::equations::dof_uses::DofStatement;
@@ -11,10 +11,11 @@ use crate::scalar::Bounded;
 pub struct ConstraintContents {
     pub equations: Vec<StagedEquation>,
     pub pieces: Vec<Box<dyn StagedNonlinear>>,
-    /// The DOFs of all `pieces`, one piece after the other.
+    /// The DOFs of the nonlinear equations in `pieces`, one piece after the other.
     pub dofs: Vec<u32>,
     pub statements: Vec<DofStatement>,
-    /// A value of a function of time that is not finite at the time of the set, if there is one. Only for inactive constraints.
+    /// The first value that is not finite among the functions of time, evaluated at the time of the set. `None` if all are finite. Only
+    /// inactive constraints may have such a value.
     pub not_finite: Option<f64>,
 }
 
@@ -32,7 +33,7 @@ impl ConstraintContents {
         self.pieces.iter_mut().try_for_each(|piece| piece.at_time(time))
     }
 
-    /// c at u, with bounds on its rounding errors.
+    /// The values `c(u)` of all equations, with bounds on their rounding errors.
     pub fn values(&self, u: &[f64], time: f64) -> Vec<Bounded> {
         let of = |equation: &StagedEquation| {
             let term = |&(j, a): &(u32, f64)| Bounded::from(a) * Bounded::from(u[j as usize]);

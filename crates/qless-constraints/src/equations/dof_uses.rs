@@ -13,7 +13,7 @@ use crate::scalar::Bounded;
 /// Fills unused entries of lists of DOFs.
 pub const NO_DOF: u32 = u32::MAX;
 
-/// What a constraint says of some DOFs.
+/// What a constraint states about some DOFs: the coordinates that they displace, or that they are a rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DofStatement {
     /// The DOFs displace a node or body from `at`. If `measured`, the parameters of the equations hold only differences of coordinates;
@@ -23,7 +23,7 @@ pub enum DofStatement {
     Rotation([u32; 4]),
 }
 
-/// What one DOF is.
+/// What one DOF is: a displacement, or part of a rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum DofUse {
     /// The DOF displaces the coordinate `at` of a node. `node` is the largest magnitude of the node's coordinates.
@@ -35,7 +35,8 @@ enum DofUse {
 }
 
 impl DofStatement {
-    /// Each DOF, its use, and whether the statement is `measured`; a statement about a rotation always counts as measured.
+    /// Each DOF, its use, and whether the rounding errors of its coordinate count as errors of the DOF (`measured`). A statement about a
+    /// rotation always counts as measured.
     fn uses(&self) -> impl Iterator<Item = (u32, DofUse, bool)> {
         let (dofs, at, measured) = match *self {
             Self::Place { dofs: [x, y, z], at, measured } => ([x, y, z, NO_DOF], Some(at), measured),
@@ -52,18 +53,18 @@ impl DofStatement {
 struct DofRecord {
     used: DofUse,
     statements: u32,
-    /// Number of `measured` statements of active constraints.
+    /// Number of statements of active constraints by which the rounding errors of the DOF's coordinate count as errors of the DOF.
     measured: u32,
 }
 
 /// Two statements about one DOF that differ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DofClash {
-    /// Two coordinates, the new one first.
+    /// The statements give the DOF two coordinates, the new one first.
     Places([f64; 2]),
-    /// Two lists of rotation DOFs.
+    /// The statements give the rotation of the DOF different lists of DOFs.
     Rotations,
-    /// A displacement and a rotation.
+    /// One statement says that the DOF is a displacement, the other that it is part of a rotation.
     Uses,
 }
 
@@ -111,8 +112,8 @@ impl DofUses {
         }
     }
 
-    /// Removes and returns the statements of a constraint. `active` says whether the constraint is active: only then were its measured
-    /// statements counted, and only then are they subtracted.
+    /// Removes and returns the statements of a constraint. `active` says whether the constraint is active: `DofRecord::measured` counts
+    /// only active constraints, so only then is it reduced.
     pub fn take(&mut self, constraint: u32, active: bool) -> Vec<DofStatement> {
         let list = self.statements.get_mut(constraint as usize).map(std::mem::take).unwrap_or_default();
         let uses = list.iter().flat_map(DofStatement::uses);
@@ -120,7 +121,8 @@ impl DofUses {
         list.into_vec()
     }
 
-    /// Counts the `measured` statements of a constraint that becomes active, or discounts them if it becomes inactive.
+    /// Adds the `measured` statements of a constraint to the counts in `DofRecord::measured` if it becomes active, or subtracts them if it
+    /// becomes inactive.
     pub fn activate(&mut self, constraint: u32, active: bool) {
         let Self { statements, records } = self;
         let list = statements.get(constraint as usize).map_or(&[][..], |list| list);
@@ -157,8 +159,8 @@ impl DofUses {
         self.records.get(&dof).map_or(0, |record| record.statements)
     }
 
-    /// Two sizes of DOF j, for rounding errors: `|x|` of the coordinate x that it displaces, and the largest `|x|` of its node. Both are
-    /// 1 for a rotation. `None` if no active constraint states a size.
+    /// Two sizes of DOF j, from which its rounding error is estimated: `|x|` of the coordinate x that it displaces, and the largest `|x|`
+    /// of its node. Both are 1 for a rotation. `None` if no active constraint has a `measured` statement about the DOF.
     pub fn sizes(&self, j: usize) -> Option<[f64; 2]> {
         let record = self.records.get(&u32::try_from(j).ok()?).filter(|record| record.measured > 0)?;
         Some(match record.used {

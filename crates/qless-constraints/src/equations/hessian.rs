@@ -28,7 +28,8 @@ pub struct HessianPlan {
 }
 
 impl HessianPlan {
-    /// Collects and sorts the contributions `(row, column, number)` of all items.
+    /// Collects the contributions `(row, column, number)` of all items to H, and sorts them by row and column. `number` is the index of the
+    /// value in the list of all Hessian numbers.
     pub fn new(batches: &[Box<dyn NonlinearBatch>], dofs: usize) -> Self {
         let mut ends = vec![0_usize; dofs + 1];
         let numbers = for_each_entry(batches, |row, _, _| ends[row as usize + 1] += 1);
@@ -84,7 +85,8 @@ impl HessianPlan {
     }
 }
 
-/// Calls `entry(row, column, number)` for the contributions of all items to H; returns how many numbers the items have.
+/// Calls `entry(row, column, number)` for each contribution of an item to H, where `number` is the index of its value in the list of all
+/// Hessian numbers. Returns the length of that list.
 fn for_each_entry(batches: &[Box<dyn NonlinearBatch>], mut entry: impl FnMut(u32, u32, u32)) -> usize {
     batches.iter().fold(0, |first, batch| {
         batch.entries(first, &mut entry);

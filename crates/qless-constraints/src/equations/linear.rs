@@ -11,17 +11,17 @@ use crate::scalar::Bounded;
 /// Pairs `(DOF, coefficient)`, DOFs ascending.
 pub type LinearTerms = Vec<(u32, f64)>;
 
-/// A linear equation outside of the set: `sum a_j u_j = rhs`.
+/// A linear equation `sum a_j u_j = rhs` of a constraint that is new or inactive, so that the set does not evaluate it.
 pub struct StagedEquation {
     pub name: Cow<'static, str>,
     pub terms: LinearTerms,
     pub rhs: LinearRhs,
 }
 
-/// Linear equations of all types.
+/// The linear equations of all active constraints of a set, in compressed rows.
 pub struct LinearEquations {
     pub owners: Vec<EquationOwner>,
-    /// b, at the time of the set.
+    /// The right-hand sides b, at the time of the set.
     rhs: Vec<f64>,
     /// Index of the first entry of each row, and at the end the number of entries.
     pub start: Vec<usize>,
@@ -63,8 +63,8 @@ impl LinearEquations {
         self.col[entries.clone()].iter().copied().zip(self.val[entries].iter().copied())
     }
 
-    /// Replaces the equations of a constraint, which may have none before or after. Returns the old ones. No other equation moves if
-    /// the new ones have as many rows and terms.
+    /// Replaces the equations of a constraint, and returns the old ones. Either list may be empty. If both have equally many rows and
+    /// terms, no equation of another constraint moves.
     pub fn replace(
         &mut self,
         constraint: u32,

@@ -61,7 +61,8 @@ impl EquationNames {
     }
 }
 
-/// Identity of the state since the last change. It is made only when it is read, since several changes often follow each other unread.
+/// Identity of the state since the last change. It is made only when it is first read, because often several changes follow each other
+/// before that.
 #[derive(Default)]
 pub struct ChangeStamp(OnceLock<Identity>);
 
@@ -70,7 +71,7 @@ impl ChangeStamp {
         *self.0.get_or_init(Identity::new)
     }
 
-    /// To be called after each change.
+    /// Call this after each change: the next read then makes a new identity.
     pub fn renew(&mut self) {
         self.0.take();
     }

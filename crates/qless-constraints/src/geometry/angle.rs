@@ -1,10 +1,9 @@
 //! Angle vectors `c = atan2(|v|, m) v / |v|`: c is parallel to v, and its length is the angle of `(m, |v|)` in [0,
 //! pi].
 //!
-//! `c = f v` with `f(m, y) = atan2(sqrt y, m) / sqrt y` and `y = v.v`. f is smooth if v is not zero or m is positive.
-//! Scaling m and v together does not change c. If v is zero and m is negative, the angle is pi and every direction is
-//! equally near. Within 1e-8 rad of that point c takes the first direction, `c = (pi + v_1 / m, 0, ..)`, and
-//! its Jacobian has rank one.
+//! `c = f v` with `f(m, y) = atan2(sqrt y, m) / sqrt y` and `y = v.v`. f is smooth if v is not zero or m is positive. Scaling m and v
+//! together does not change c. If v is zero and m is negative, the angle is pi and c may have any direction. Within 1e-8 rad of that point,
+//! c is therefore set to the first direction, `c = (pi + v_1 / m, 0, ..)`, and its Jacobian has rank one.
 
 use std::array::from_fn;
 use std::f64::consts::PI;
@@ -13,7 +12,7 @@ use crate::scalar::{HALF_DIGITS, Scalar};
 
 /// Largest `y / m^2`, with `y = v.v`, for which [`factor`] uses a series.
 const SMALL: f64 = 0.1;
-/// Number of terms of the series for angles up to 0.3, and for angles up to 0.03.
+/// Number of terms of the series of `atan2(sqrt y, m) / sqrt y`: for angles up to 0.3, and for angles up to 0.03.
 const TERMS: [i32; 2] = [18, 7];
 
 /// The angle vector `atan2(|v|, m) v / |v|` of `x = (m, v)`. v has K components; later entries of x are ignored.

@@ -3,8 +3,8 @@
 use super::closest_point::gauss_newton::{DEPENDENT, dot, step, tangents};
 use super::shape::Shape;
 
-/// Whether the tangents at the centre are dependent, a solid is inverted at some of its corners and not at others,
-/// the normal of a face turns over at a corner, or a line folds back.
+/// Whether an element is degenerate: its tangents at the centre are dependent, or a solid is inverted at some of its corners and not at
+/// others, or the normal of a face turns over at a corner, or a line folds back.
 pub fn is_degenerate<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> bool {
     if step(shape, nodes, shape.centre()).is_none() {
         return true;
@@ -15,8 +15,8 @@ pub fn is_degenerate<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> bool {
         _ => (),
     }
     let all: Vec<_> = shape.corners().iter().map(|&xi| tangents(shape, nodes, xi).1).collect();
-    // Volumes are relative to the longest tangent in each direction: single tangents vanish at collapsed corners and
-    // at quarter-point nodes.
+    // The volume at a corner is divided by the product of the longest tangents in the three directions. The tangents at the corner itself
+    // would not do: they may vanish, at collapsed corners and at corners next to quarter-point nodes.
     let longest = |k: usize| all.iter().map(|t| length(&t[k])).fold(0.0, f64::max);
     let unit: f64 = (0..3).map(longest).product();
     let volumes = || all.iter().map(|t| determinant(t) / unit);

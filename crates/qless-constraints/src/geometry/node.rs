@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use crate::scalar::Scalar;
 
-/// Relative rounding error of sums of a few products; multiplied by the largest coordinate it is a length.
+/// Relative rounding error of sums of a few products. Multiplied by the largest coordinate, it is the rounding error of a length.
 pub(crate) const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// Distance within which a point counts as on an element, due to the rounding of the coordinates of both.

@@ -2,7 +2,7 @@
 
 use crate::scalar::NO_EXTENT;
 
-/// Outline of a facet. Points of a line are `[s, 0]`.
+/// Outline of a facet in its mean plane: a polygon, or an interval of the points `[s, 0]` if the facet is a line.
 pub enum Outline {
     /// Lower and upper end.
     Interval(f64, f64),
@@ -30,8 +30,8 @@ impl Outline {
         }
     }
 
-    /// Size of the boundary: 2 for an interval, the perimeter of a polygon. Times a small width it is the size of a
-    /// strip along the boundary.
+    /// Size of the boundary: 2 for an interval, the perimeter of a polygon. Multiplied by a small width, it gives the size of a strip along
+    /// the boundary.
     pub fn border(&self) -> f64 {
         match self {
             Self::Interval(..) => 2.0,
@@ -122,11 +122,11 @@ fn cut(polygon: &[PlanePoint], a: PlanePoint, b: PlanePoint) -> Vec<PlanePoint> 
     kept
 }
 
-/// An area below this share of a polygon's area comes from rounding. It lies at a corner that is on an edge or beside another corner, or is
-/// an overlap along a shared edge.
+/// An area below this share of a polygon's area counts as rounding. Rounding makes such areas if a corner lies almost on an edge or at
+/// another corner, or if two polygons share an edge.
 pub const SLIVER: f64 = 1e-10;
 
-/// The corners of a polygon, without those that rounding made.
+/// The corners of a polygon, without those that rounding made: corners whose triangle with both neighbours has almost no area.
 fn true_corners(polygon: &[PlanePoint]) -> Vec<PlanePoint> {
     let least = 2.0 * SLIVER * area(polygon);
     let mut corners = polygon.to_vec();

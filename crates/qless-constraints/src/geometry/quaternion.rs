@@ -60,7 +60,7 @@ pub struct BodyQuaternion {
 }
 
 impl BodyQuaternion {
-    /// For a body with the rotations `u`.
+    /// Computes the quaternion and the factors for a body with the rotation DOFs `u`.
     #[inline]
     pub fn new(kind: RotationKind, u: &[f64]) -> Self {
         if kind != RotationKind::Vector {
@@ -89,7 +89,7 @@ impl BodyQuaternion {
         }
     }
 
-    /// `dq / du_j` for each rotation DOF j; surplus entries are meaningless.
+    /// `dq / du_j` for each rotation DOF j. A rotation vector has three rotation DOFs; the fourth entry is then meaningless.
     #[inline]
     pub fn slopes(&self) -> [Quaternion<f64>; 4] {
         let mut rows = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];

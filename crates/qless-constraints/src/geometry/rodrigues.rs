@@ -1,5 +1,5 @@
-//! The factors of Rodrigues' formula, `a = sin t / t` and `b = (1 - cos t) / t^2`, as functions of `y = t^2` with two
-//! derivatives.
+//! The factors of Rodrigues' formula, `a = sin t / t` and `b = (1 - cos t) / t^2`, as functions of `y = t^2` with two derivatives; t is the
+//! angle of rotation.
 //!
 //! With Stumpff's functions `c_k = sum_i (-y)^i / (2 i + k)!`: `a = c_1`, `b = c_2`, `c_k = 1 / k! - y c_(k+2)` and
 //! `dc_k/dy = (k c_(k+2) - c_(k+1)) / 2`. The two series of `c_5` and `c_6` give a, b and their derivatives. Nothing is divided by y, so

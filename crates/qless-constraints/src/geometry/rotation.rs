@@ -90,7 +90,7 @@ pub(super) fn third_factor<S: Scalar>(y: S) -> S {
     y.map(Factor::Third)
 }
 
-/// `sum_k (-y)^k / (2k + first)!`, `first` 1 or 2; twice that for `first` 3.
+/// A series in y: `sum_k (-y)^k / (2k + first)!` if `first` is 1 or 2, and `2 sum_k (-y)^k / (2k + 3)!` if `first` is 3.
 fn series<S: Scalar>(y: S, first: f64) -> S {
     let mut sum = S::from(1.0);
     for k in (1..9).rev() {

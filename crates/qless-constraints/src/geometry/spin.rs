@@ -2,7 +2,7 @@
 //!
 //! The power of a moment M is `M . w`, so that its generalised force on the rotation DOFs u is `L^T M`. For a rotation vector, L is
 //! `T(theta) = I + b [theta]x + c [theta]x^2` with `b = (1 - cos t) / t^2`, `c = (t - sin t) / t^3` and `t = |theta|`. For Euler parameters
-//! `p = (e0, e)`, `w = 2 (e0 e' - e0' e + e x e')`.
+//! `p = (e0, e)`, `w = 2 (e0 e' - e0' e + e x e')` with the time derivatives e0' and e'.
 
 use super::rotation::{factors, third_factor};
 use crate::scalar::vector::{Vector, add, axis, cross, dot, lift, scale, sub};
@@ -55,7 +55,7 @@ pub fn stiffness(u: &[f64], m: Vector<f64>) -> [[f64; 4]; 4] {
 pub fn moment(u: &[f64], q: &[f64]) -> Vector<f64> {
     if let (&[e0, x, y, z], &[q0, a, b, c]) = (u, q) {
         let (e0, e, q) = (1.0 + e0, [x, y, z], [a, b, c]);
-        // For Euler parameters p, `L L^T = 4 |p|^2 I`.
+        // For Euler parameters p, `L L^T = 4 |p|^2 I`, so that `M = L q / (4 |p|^2)`.
         let image = add(sub(scale(e0, q), scale(q0, e)), cross(e, q));
         return scale(0.5 / (e0 * e0 + dot(e, e)), image);
     }

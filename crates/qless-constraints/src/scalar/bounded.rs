@@ -49,7 +49,8 @@ impl Bounded {
         Self::rounded(real, passed_on + lost)
     }
 
-    /// Sine or cosine, from its value and slope at an argument with this error; `f` is known to one unit in the last place.
+    /// Sine or cosine: `f` is its value, known to one unit in the last place, `slope` its derivative, and `error` the error bound of the
+    /// argument.
     fn wave(f: f64, slope: f64, error: f64) -> Self {
         let passed_on = (slope.abs() * error + 0.5 * error * error).min(error).min(2.0);
         Self { real: f, error: passed_on + f64::EPSILON * f.abs() }
@@ -106,7 +107,7 @@ impl Scalar for Bounded {
     }
     fn sqrt(self) -> Self {
         let root = self.real.sqrt();
-        // |sqrt x - sqrt y| = |x - y| / (sqrt x + sqrt y).
+        // |sqrt x - sqrt y| = |x - y| / (sqrt x + sqrt y), and sqrt y is at least `least`.
         let least = (self.real - self.error).max(0.0).sqrt();
         let passed_on = if self.error == 0.0 { 0.0 } else { self.error / (root + least) };
         Self::scaled(root, passed_on, root == 0.0)

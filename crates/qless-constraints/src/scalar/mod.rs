@@ -11,15 +11,17 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 pub use bounded::Bounded;
 pub use dual::Dual;
 
-/// Relative rounding of a sum of a few terms: eight units in the last place. A result that is at most this share of its terms is zero.
+/// Relative rounding of a sum of a few terms: eight units in the last place. A sum that is at most this share of its absolute terms counts
+/// as zero.
 pub(crate) const SUM_ROUNDING: f64 = 8.0 * f64::EPSILON;
-/// Half of the digits of a double. A sum smaller than this share of its terms has lost more digits than it kept, and determines nothing.
+/// Half of the digits of a double. A sum smaller than this share of its absolute terms has lost more digits than it kept, so that it is not
+/// relied on.
 pub(crate) const HALF_DIGITS: f64 = 1e-8;
 /// A length, area or volume that is smaller than this share of the geometry's size counts as zero: four digits above the rounding of
 /// coordinates.
 pub(crate) const NO_EXTENT: f64 = 1e-12;
 
-/// Sets factors to zero that are at most `blur` times the rounding of the largest. NaN stays.
+/// Sets factors to zero that are at most `blur` times eight units in the last place of the largest factor. NaN stays.
 pub(crate) fn clean<'a>(factors: impl Iterator<Item = &'a mut f64>, blur: f64) {
     let mut factors: Vec<&mut f64> = factors.collect();
     let largest = factors.iter().fold(0.0, |most: f64, factor| most.max(factor.abs()));
@@ -83,7 +85,7 @@ pub trait Univariate: Copy {
 /// assert_eq!(cube(Dual::<1>::variable(2.0, 0)).slope, [12.0]);
 /// ```
 pub trait Scalar: Arithmetic + Div<Output = Self> {
-    /// The number without its derivatives. Branches may depend on it.
+    /// The number without derivatives and error bounds. Code may branch on it, since a branch needs a plain number.
     fn real(self) -> f64;
     /// Square root of a positive number.
     #[must_use]
@@ -101,7 +103,8 @@ pub trait Scalar: Arithmetic + Div<Output = Self> {
     }
     /// The angle of the point `(x, self)`, in (-pi, pi].
     ///
-    /// With h the angle of the values, the remainder `tan(angle - h)` is of the size of rounding and carries the derivatives.
+    /// The result is `h + rest`: h is the angle computed in `f64`, and `rest = tan(angle - h)` is of the size of rounding, but has the
+    /// derivatives of the angle.
     #[must_use]
     fn atan2(self, x: Self) -> Self {
         let h = self.real().atan2(x.real());

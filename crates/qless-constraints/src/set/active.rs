@@ -20,7 +20,7 @@ use crate::set::evaluation::Evaluation;
 /// this constraint and type.
 type RowKey = (u32, u32, u32);
 
-/// A row as it was passed to the system.
+/// An equation of the set as it was last passed to the [`ChangingSystem`].
 #[derive(Debug)]
 struct ActiveRow {
     key: RowKey,
@@ -60,7 +60,7 @@ pub struct ActiveSystem {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ActiveError {
-    /// The set is not the one of the system, or the evaluation is out of date.
+    /// The set or the evaluation does not belong to this system, or the evaluation is out of date.
     #[error(transparent)]
     Argument(#[from] ArgumentError),
     /// A number of a linearised equation is not finite.
@@ -71,7 +71,7 @@ pub enum ActiveError {
         /// The number.
         value: f64,
     },
-    /// A block of equations cannot be analysed or reduced.
+    /// A block of equations cannot be analysed or reduced, or an argument (a DOF or a number) is not valid.
     #[error(transparent)]
     Change(#[from] ChangeError),
 }
@@ -86,7 +86,7 @@ impl ActiveSystem {
         Ok(Self { set: set.register.identity, system, rows: Vec::new() })
     }
 
-    /// Takes over the changes of the set and its evaluation, and analyses the affected blocks. Returns their number.
+    /// Takes over the changes of the set and its evaluation, and analyses the affected blocks. Returns the number of these blocks.
     ///
     /// # Errors
     /// [`ActiveError::Argument`] and [`ActiveError::NotFinite`]: nothing changes then. [`ActiveError::Change`]: if a block cannot be
@@ -115,7 +115,7 @@ impl ActiveSystem {
         Ok(self.system.update()?)
     }
 
-    /// Updates the numbers of an equation that stays.
+    /// Passes the terms and the right-hand side of an equation that the system already has, if they changed.
     fn renewed(
         &mut self,
         mut known: ActiveRow,
@@ -150,27 +150,31 @@ impl ActiveSystem {
         Ok(self.system.release(dof)?)
     }
 
-    /// The kind of the equation in a row of the set, as of the last update.
+    /// The kind of the equation in this row of the set: independent, redundant or conflicting, as of the last update. `None` if there is no
+    /// such row.
     pub fn kind(&self, row: usize) -> Option<Kind> {
         self.rows.get(row).and_then(|known| self.system.kind(known.id))
     }
 
-    /// The identity in [`ActiveSystem::system`] of the equation in a row of the set, as of the last update.
+    /// The identity that the equation in this row of the set has in [`ActiveSystem::system`], as of the last update.
     pub fn equation(&self, row: usize) -> Option<EquationId> {
         self.rows.get(row).map(|known| known.id)
     }
 
-    /// Rank of G on the free DOFs.
+    /// Rank of the linearised equations `G du = -c` at the last update: the rank of the Jacobian G without the columns of the DOFs whose
+    /// increments are prescribed.
     pub fn rank(&self) -> usize {
         self.system.rank()
     }
 
-    /// The blocks with their reductions, and the certificates.
+    /// The changing system that holds the linearised equations. It gives the blocks with their reductions, and the certificates.
     pub fn system(&self) -> &ChangingSystem {
         &self.system
     }
 
-    /// Sets the slaves and the prescribed DOFs in `du`, whose masters are given: `du_s = T du_q + G du_p + g`.
+    /// Computes the increments of the slaves, `du_s = T du_q + G du_p + g`, from those of the masters, `du_q`, and of the prescribed DOFs,
+    /// `du_p`. On entry, `du` holds `du_q`; on return, it holds all three. Here T, G and g belong to the reduction: this G is not the
+    /// Jacobian.
     ///
     /// # Errors
     /// [`ActiveError::Change`] unless `du` has one finite number per DOF.

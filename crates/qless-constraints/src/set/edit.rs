@@ -2,14 +2,14 @@
 //!
 //! | operation | cost |
 //! | --- | --- |
-//! | [`ConstraintSet::add`] | the numbers of the constraint |
-//! | [`ConstraintSet::remove`] | numbers of later constraints of the same types move |
-//! | [`ConstraintSet::activate`], [`ConstraintSet::deactivate`] | numbers of later constraints of the same types move |
-//! | [`ConstraintSet::replace`] with the same DOFs, [`set_rhs`](ConstraintSet::set_rhs) | the numbers that are replaced |
-//! | the next evaluation | new patterns of G, and of H if nonlinear equations changed |
+//! | [`ConstraintSet::add`] | stores the numbers of the constraint |
+//! | [`ConstraintSet::remove`] | moves numbers of later constraints that have linear equations or the same nonlinear types |
+//! | [`ConstraintSet::activate`], [`ConstraintSet::deactivate`] | moves the same numbers as `remove` |
+//! | [`ConstraintSet::replace`] with the same DOFs, [`set_rhs`](ConstraintSet::set_rhs) | stores the new numbers |
+//! | the next evaluation after a change of equations | makes the pattern of G anew, and that of H if nonlinear equations changed |
 //!
-//! Results have the same bits, in the same rows, as those of a new set of the active constraints alone. The types must first occur in the
-//! same order in both sets.
+//! Results have the same bits, in the same rows, as those of a new set of the active constraints alone, provided that the types first occur
+//! in the same order in both sets.
 
 use crate::constraint::{Constraint, EquationError, EquationSink};
 use crate::equations::contents::ConstraintContents;
@@ -55,7 +55,7 @@ impl ConstraintSet {
         Ok(id)
     }
 
-    /// Checks and stores a new constraint that has no label yet; appends its Euler parameters to `rotations`.
+    /// Checks and stores a new constraint that has no label yet. Appends the DOFs of its Euler parameters to `rotations`.
     pub(super) fn add_unnamed<C: Constraint>(
         &mut self,
         number: u32,
@@ -232,7 +232,8 @@ impl ConstraintSet {
         ConstraintContents { equations, pieces, dofs, ..ConstraintContents::default() }
     }
 
-    /// Replaces the numbers of a constraint if its nonlinear equations keep their pattern; otherwise returns the contents.
+    /// Replaces the equations of a constraint by `contents` if the nonlinear ones keep their pattern. Otherwise changes nothing, and
+    /// returns `contents`.
     fn overwrite(&mut self, number: u32, mut contents: ConstraintContents) -> Result<(), ConstraintContents> {
         contents.pieces.sort_by_key(|piece| piece.kind(&self.nonlinear));
         let places = self.nonlinear.items_of(number);
@@ -247,7 +248,8 @@ impl ConstraintSet {
         linear.replace(number, contents.equations, names, *time);
         let pairs = contents.pieces.into_iter().zip(places);
         pairs.for_each(|(piece, place)| piece.overwrite(number, names, place, nonlinear));
-        // An evaluation keeps the coefficients of linear equations until the pattern is renewed, so it is renewed here.
+        // An evaluation copies the coefficients of linear equations only if the pattern has a new stamp. So the pattern gets a new stamp
+        // here, even if it is the same.
         self.pattern.renew();
         self.version.renew();
         Ok(())

@@ -62,7 +62,8 @@ pub enum LineariseError {
     /// The evaluation belongs to another set, or is out of date.
     #[error(transparent)]
     Argument(#[from] ArgumentError),
-    /// A number of c or G is not finite: u is not, or the constraint has no value at u, such as a line whose end points coincide.
+    /// A number of c or G is not finite: u is not finite, or the constraint has no value at u, such as one on a line whose end points
+    /// coincide.
     #[error(
         "{label}, row {row}: c or G contains {value} at this configuration; correct u, or choose a configuration at which the \
          constraint is defined"
@@ -113,12 +114,12 @@ pub enum TimeError {
     /// The time is not finite.
     #[error("time {0} is not finite; give a number")]
     Time(f64),
-    /// A right-hand side or a prescribed motion is not finite at the new time.
+    /// A right-hand side or a prescribed motion is not finite at the time at which it was evaluated.
     #[error("the function of time of {label} is {value} at time {time}; it must be finite there")]
     NotFinite {
-        /// Label of the equation.
+        /// Label of the equation or of its constraint.
         label: String,
-        /// The new time.
+        /// The time at which the function was evaluated.
         time: f64,
         /// The value of the function.
         value: f64,

@@ -6,7 +6,7 @@ use qless::{ArgumentError, Csr};
 use crate::equations::hessian::HessianPlan;
 use crate::set::ConstraintSet;
 
-/// The results of an evaluation, with the patterns of the set at that time. Other sets refuse them.
+/// The results c, G and H of an evaluation of a set, with the patterns of the set at that time. Any other set refuses this evaluation.
 #[derive(Clone, Debug)]
 pub struct Evaluation {
     /// The set that allocated this evaluation.
@@ -96,14 +96,14 @@ impl ConstraintSet {
         plan
     }
 
-    /// Checks that c and G are those of the current set.
+    /// Checks that the evaluation belongs to this set, and that the set has not changed since c and G were evaluated.
     pub(super) fn current(&self, evaluation: &Evaluation) -> Result<(), ArgumentError> {
         self.own("the evaluation", evaluation.set)?;
         let what = "c and G";
         if evaluation.evaluated == self.version.get() { Ok(()) } else { Err(ArgumentError::Outdated { what }) }
     }
 
-    /// G with the coefficients of linear equations, and zeros elsewhere.
+    /// G with the coefficients of the linear equations, which are constant, and with zeros in the rows of the nonlinear equations.
     pub(super) fn whole_pattern(&self) -> Csr {
         let (mut start, mut col) = (self.linear.start.clone(), self.linear.col.clone());
         self.nonlinear.batches.iter().for_each(|batch| batch.write_pattern(&mut start, &mut col));

@@ -1,8 +1,9 @@
 //! Inequalities `c(u) >= 0` by an active set: `c >= 0`, `p >= 0`, `p c = 0`, where `p = -lambda` is the pressure.
 //!
-//! An inequality is a constraint of one equation that is active while it pushes. A step activates inactive ones with c < 0, and deactivates
-//! active ones that pull. If an active set recurs, each later step changes only the first violated inequality. Such steps end for every
-//! positive definite problem (Murty 1974). If an active set recurs even then, the step fails, so no cycle of active sets goes on for ever.
+//! An inequality is a constraint of one equation. Inactive, it has no force; active, it holds c = 0. A step activates inactive inequalities
+//! with c < 0, and deactivates active ones that pull (p < 0). If an active set recurs, each later step changes only the first violated
+//! inequality. Such steps end for every positive definite problem (Murty 1974). If an active set recurs even then, the step fails, so no
+//! cycle of active sets goes on for ever.
 
 use std::collections::HashSet;
 
@@ -47,7 +48,7 @@ pub struct Inequalities {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InequalityError {
-    /// A constraint belongs to another set, or was removed.
+    /// A constraint belongs to another set or was removed, or one of its functions of time is not finite.
     #[error(transparent)]
     Edit(#[from] EditError),
     /// The evaluation or the multipliers are out of date, or of another set.
@@ -59,7 +60,7 @@ pub enum InequalityError {
          accurate enough", .labels.join(", ")
     )]
     Cycle {
-        /// The inequalities that would change.
+        /// Labels of the inequalities that are violated.
         labels: Vec<String>,
     },
 }
@@ -95,11 +96,13 @@ impl Inequalities {
         &self.ids
     }
 
-    /// Compares an equilibrium with the inequalities, and activates or deactivates those that it violates. Returns true if it violates
-    /// none, so that it is the solution.
+    /// Checks all inequalities at an equilibrium. Returns true if none is violated: then the equilibrium is the solution. Otherwise
+    /// activates the violated inactive inequalities, and deactivates the violated active ones. Once an active set has recurred, each step
+    /// changes only the first violated inequality, until the solution is found.
     ///
-    /// `evaluation` is the set at the equilibrium, `multipliers` those of `f_int + G^T lambda = f_ext`. An open inequality is violated if c
-    /// is negative by more than its rounding error.
+    /// `evaluation` is the evaluation of the set at the equilibrium, and `multipliers` are the lambda of `f_int + G^T lambda = f_ext`. An
+    /// inactive inequality is violated if c is negative by more than its rounding error, and an active one if its lambda is positive, so
+    /// that it pulls.
     ///
     /// # Errors
     /// [`InequalityError`].
@@ -131,7 +134,8 @@ impl Inequalities {
         Ok(false)
     }
 
-    /// Records the active set. If it recurs, one inequality changes at a time from now on; if it recurs after that, the step fails.
+    /// Records the current active set. If this set occurred before, each step changes only one inequality from now on. If a set recurs even
+    /// then, the step fails.
     fn exclude_cycles(&mut self, set: &ConstraintSet, violated: &[ConstraintId]) -> Result<(), InequalityError> {
         let active = self.ids.iter().map(|&id| set.is_active(id)).collect::<Result<Vec<bool>, _>>()?;
         if self.met.insert(active.clone()) {

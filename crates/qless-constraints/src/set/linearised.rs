@@ -1,8 +1,8 @@
 //! `G du = -c`: the set linearised at u, as linear equations for `qless`.
 //!
-//! A row of G is written without terms if all of its entries are within their rounding errors: otherwise the noise, once scaled to one,
-//! would count as rank. Which rows these are depends on the configuration, so [`ConstraintSet::vanishing`] reports them for one
-//! configuration.
+//! A row of G is written without terms if all of its entries are within their rounding errors. Otherwise the analysis would scale this
+//! noise to one, and count the row as independent. Which rows these are depends on the configuration, so [`ConstraintSet::vanishing`]
+//! reports them for one configuration.
 
 use std::fmt;
 
@@ -23,9 +23,9 @@ pub struct Vanishing {
     pub row: usize,
     /// Label of the equation.
     pub label: String,
-    /// The largest computed entry of the equation's row of G.
+    /// The largest magnitude of a computed entry of the equation's row of G.
     pub entry: f64,
-    /// Bound on the rounding error of the row's entries; not less than `entry`.
+    /// The largest bound on the rounding error of an entry of this row; at least `entry`.
     pub rounding: f64,
     /// The value of c, which no step changes to first order.
     pub value: f64,
@@ -163,7 +163,8 @@ impl ConstraintSet {
         rows.map(|row| self.report(row, evaluation, &rounding)).collect()
     }
 
-    /// Rounding bounds if there are nonlinear equations. Nonzero rows of linear equations cannot vanish.
+    /// Bounds on rounding errors; `None` if all equations are linear. Bounds are not needed then: the coefficients of linear equations are
+    /// inputs, so that a nonzero row cannot vanish.
     pub(super) fn rounding_of_nonlinear(&self, evaluation: &Evaluation) -> Result<Option<Rounding>, ArgumentError> {
         if self.linear.rows() == self.equations() { Ok(None) } else { self.rounding(&evaluation.u).map(Some) }
     }
@@ -182,7 +183,8 @@ fn is_rounding(value: f64, bound: f64) -> bool {
 }
 
 impl Evaluation {
-    /// A number of c or of the row of G that is not finite. Call it before the rounding bounds are used: they are infinite for such a row.
+    /// A number that is not finite in this row of c or G. Call this before the rounding bounds are used: they may be infinite for such a
+    /// row, so that the row would seem to be rounding.
     pub(super) fn not_finite(&self, row: usize) -> Option<f64> {
         let numbers = std::iter::once(self.c[row]).chain(self.g.row(row).map(|(_, v)| v));
         numbers.into_iter().find(|value| !value.is_finite())

@@ -72,16 +72,17 @@ pub struct ConstraintSet {
     dofs: usize,
     linear: LinearEquations,
     nonlinear: NonlinearEquations,
-    /// The plan of H, made on request; it is dropped when the pattern of H may have changed.
+    /// The plan by which the entries of H are summed. It is made when it is first needed, and dropped when the pattern of H may have
+    /// changed.
     hessian_plan: OnceLock<HessianPlan>,
     time: f64,
-    /// What all constraints say of their DOFs.
+    /// The statements of all constraints about their DOFs: which coordinate a DOF displaces, or to which rotation it belongs.
     dof_uses: DofUses,
     /// For each body with Euler parameters, the number of the constraint that keeps their length.
     norms: BTreeMap<[u32; 4], u32>,
-    /// Renewed after each change of the pattern of G, or of the rows of linear equations.
+    /// Stamp of the pattern of G and of the coefficients of linear equations; each change of them gives a new stamp.
     pattern: ChangeStamp,
-    /// Renewed after each change.
+    /// Stamp of the state of the set; each change of the set gives a new stamp.
     version: ChangeStamp,
 }
 
@@ -115,7 +116,8 @@ impl ConstraintSet {
 
     /// Writes `c(u)` and `G(u)`, in parallel.
     ///
-    /// If u is not finite, neither is what depends on it; [`ConstraintSet::linearised`] refuses such values.
+    /// If an entry of u is not finite, the numbers of c and G that depend on it are not finite either; [`ConstraintSet::linearised`]
+    /// refuses them.
     ///
     /// # Errors
     /// [`ArgumentError`] if `u` does not have length n, or this set did not allocate the evaluation.
@@ -123,8 +125,9 @@ impl ConstraintSet {
         self.evaluate_with(u, None, evaluation)
     }
 
-    /// Writes the effective Hessian `sum_r w_r H_r(u)`, in parallel; `weights` has one number per equation: `w = lambda` with multipliers,
-    /// `w = p c` with penalties, whose tangent also has the term `G^T p G`, and `w = lambda + p c` with both.
+    /// Writes the effective Hessian `sum_r w_r H_r(u)`, in parallel; `weights` has one number per equation: `w = lambda` with multipliers
+    /// lambda, `w = p c` with penalty factors p, and `w = lambda + p c` with both. With penalties, the tangent also has the term `G^T p G`,
+    /// which is not added here.
     ///
     /// # Errors
     /// [`ArgumentError`] if `u` or `weights` has the wrong length, or this set did not allocate the evaluation.
@@ -143,8 +146,8 @@ impl ConstraintSet {
         Ok(())
     }
 
-    /// [`ConstraintSet::evaluate`] and [`ConstraintSet::effective_hessian`] in one pass over u. The weights must not depend on the new c.
-    /// Multipliers do not.
+    /// [`ConstraintSet::evaluate`] and [`ConstraintSet::effective_hessian`] in one pass over u. The weights must not depend on c at this u,
+    /// which is not known before the call. Multipliers may be weights; penalty terms `p c` may not.
     ///
     /// ```
     /// use qless_constraints::ConstraintSet;
@@ -201,7 +204,7 @@ impl ConstraintSet {
         if of == self.register.identity { Ok(()) } else { Err(ArgumentError::Foreign { what }) }
     }
 
-    /// The plan of H for the current equations.
+    /// The plan by which the entries of H are summed, for the current equations.
     fn plan(&self) -> &HessianPlan {
         // No lock is held while the plan is made: a thread that waits for tasks may take up one that asks for the plan too, and would then
         // wait for itself.

@@ -59,7 +59,8 @@ impl ConstraintSet {
         })
     }
 
-    /// Replaces the numbers at each rotation by `of(its values in u, its numbers)`, unless all of its numbers are zero.
+    /// Calls `of(u_r, f_r)` for each rotation, where `u_r` and `f_r` are its entries of u and of the list, and replaces `f_r` by the
+    /// result. If all of `f_r` are zero, they stay.
     fn at_rotations(
         &self,
         u: &[f64],

@@ -12,7 +12,7 @@ use crate::set::error::{EditError, TimeError};
 use crate::set::evaluation::Evaluation;
 use crate::set::register::ConstraintId;
 
-/// One number for each equation of a set, such as multipliers, by constraint.
+/// One number for each equation of a set, such as multipliers, stored by constraint.
 ///
 /// ```
 /// use qless_constraints::{ConstraintSet, types::Prescribed};
@@ -45,7 +45,8 @@ impl PerConstraint {
         &self.values[first..first + count]
     }
 
-    /// The numbers in the rows that the set has now. Constraints without numbers here, or with another count of equations, get zeros.
+    /// The numbers in the rows that the set has now. A constraint gets zeros if it has no numbers here, or if its number of equations has
+    /// changed.
     ///
     /// # Errors
     /// [`ArgumentError::Foreign`] if the numbers are those of another set.
@@ -78,7 +79,7 @@ impl ConstraintSet {
         Ok(PerConstraint { set: self.register.identity, constraints, values })
     }
 
-    /// `(constraint, row)` of all rows, by constraint.
+    /// `(constraint, row)` of all rows, sorted by constraint.
     fn owned_rows(&self) -> Vec<(u32, usize)> {
         let mut all: Vec<_> = self.keys().into_iter().zip(0..).map(|((number, ..), row)| (number, row)).collect();
         all.sort_by_key(|&(number, _)| number);

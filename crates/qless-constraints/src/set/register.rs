@@ -124,7 +124,7 @@ pub(super) fn numbered(label: &str, i: usize) -> String {
 }
 
 impl ConstraintSet {
-    /// The owner of a row, and the name of the equation within its nonlinear type; empty for a linear equation.
+    /// The owner of a row, and the name of the equation within its nonlinear type. This name is empty for a linear equation.
     fn owner(&self, row: usize) -> Result<(EquationOwner, &'static str), ArgumentError> {
         if row >= self.equations() {
             return Err(ArgumentError::OutOfRange { what: "equation", found: row, count: self.equations() });

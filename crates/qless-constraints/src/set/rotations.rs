@@ -1,7 +1,8 @@
 //! Keeps rotation vectors below half a turn: `theta - 2 pi k theta / |theta|` is the same rotation.
 //!
-//! `d(R s)/d theta` loses rank if `|theta|` is a nonzero multiple of 2 pi. To stay away from there, a vector longer than pi is replaced by
-//! its complement, as proposed by Cardona and Géradin (A beam finite element non-linear theory with finite rotations, 1988).
+//! The derivative `d(R s)/d theta` of a rotated vector loses rank if `|theta|` is a nonzero multiple of 2 pi. To stay away from there, a
+//! vector longer than pi is replaced by its complement, as proposed by Cardona and Géradin (A beam finite element non-linear theory with
+//! finite rotations, 1988).
 
 use std::collections::{BTreeMap, HashMap};
 use std::f64::consts::{PI, TAU};

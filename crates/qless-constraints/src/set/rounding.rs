@@ -1,8 +1,8 @@
 //! Bounds on the rounding errors of c and G at a configuration, by running error analysis.
 //!
 //! [`crate::Nonlinear::value`] is evaluated in dual numbers whose components carry error bounds, so that the size of every term counts even
-//! if terms cancel later. DOFs, parameters and coordinates are assumed known to one unit in the last place; since `x = at + u`, the
-//! uncertainty of a coordinate is added to its DOF. Cost: about ten evaluations.
+//! if terms cancel later. DOFs, parameters and coordinates are assumed known to one unit in the last place. Since `x = at + u`, the
+//! uncertainty of the reference coordinate `at` is added to that of the DOF u. Cost: about ten evaluations.
 
 use qless::ArgumentError;
 
@@ -77,8 +77,8 @@ impl ConstraintSet {
 }
 
 impl ConstraintSet {
-    /// `max(|u_j|, |x_j|)` for each DOF j, n numbers in the unit of that DOF. `x_j` is the largest coordinate of the node that DOF j
-    /// displaces. For a DOF of a rotation, `x_j` is 1. If [`ConstraintSet::moves_node`] is false, `x_j` is 0.
+    /// `max(|u_j|, |x_j|)` for each DOF j, n numbers in the unit of that DOF. `|x_j|` is the largest magnitude of a coordinate of the node
+    /// that DOF j displaces. For a DOF of a rotation, `x_j` is 1. If [`ConstraintSet::moves_node`] is false, `x_j` is 0.
     ///
     /// # Errors
     /// [`ArgumentError`] if u does not have length n.

@@ -130,7 +130,7 @@ struct MovingPlane;
 impl PointFunction for MovingPlane {
     const EQUATION_NAMES: &'static [&'static str] = &[""];
 
-    /// NaN if the points are collinear.
+    /// Writes NaN if the three points of the plane are collinear.
     fn value<S: Scalar>(&self, points: &[Vector<S>], c: &mut [S]) {
         let [off, ab, ad] = [0, 2, 3].map(|k| sub(points[k], points[1]));
         let normal = cross(ab, ad);

@@ -98,7 +98,7 @@ impl Volume {
         if self.tetrahedra.is_empty() { Err(VolumeError::Empty) } else { Ok(total) }
     }
 
-    /// Faces of only one tetrahedron, oriented outwards, in the order of the tetrahedra.
+    /// Faces that belong to only one tetrahedron, oriented outwards, in the order of the tetrahedra.
     ///
     /// A face that two tetrahedra share occurs in both orientations and is left out. The remaining faces form a closed
     /// surface.

@@ -22,7 +22,8 @@ pub trait NonlinearBatch: Send + Sync {
     /// Names of the equations of each item.
     fn equation_names(&self) -> &'static [&'static str];
     fn owner(&self, i: usize) -> EquationOwner;
-    /// Sum of the numbers of DOFs of some items. Times the equations per item, it is the number of their entries in G.
+    /// Sum of the numbers of DOFs of some items. Multiplied by the number of equations per item, it gives the number of entries of these
+    /// items in G.
     fn width(&self, items: Range<usize>) -> usize;
     /// Appends the pattern of the batch's rows of G. For each row, `col` gets the columns in ascending order, and `start` gets the length
     /// that `col` then has, which is where the next row starts.
@@ -40,8 +41,8 @@ pub trait NonlinearBatch: Send + Sync {
     fn curvatures(&self, items: Range<usize>, u: &[f64], w: &[f64], out: &mut [f64]);
     /// The DOFs of an item.
     fn dofs_of(&self, i: usize) -> &[u32];
-    /// Evaluates parameters that are functions of time. The error is `(row, value)`: a value that is not finite, and the
-    /// first row of its item in this batch.
+    /// Evaluates parameters that are functions of time. If a value is not finite, the error is `(row, value)`, where `row` is the first row
+    /// of the item in this batch.
     fn set_time(&mut self, time: f64) -> Result<(), (usize, f64)>;
     /// Calls `found(row, angle)` for each prescribed angle; `row` is the first row of its item in this batch.
     fn angles(&self, found: &mut dyn FnMut(usize, f64));
@@ -87,7 +88,7 @@ pub trait StagedNonlinear: Send + Sync {
     fn kind(&self, nonlinear: &NonlinearEquations) -> Option<usize>;
     /// Evaluates parameters that are functions of time. The error is a value that is not finite.
     fn at_time(&mut self, time: f64) -> Result<(), f64>;
-    /// c at u, with bounds on its rounding errors.
+    /// The values `c(u)` of the item's equations, with bounds on their rounding errors.
     fn values(&self, dofs: &[u32], u: &[f64]) -> Vec<Bounded>;
     /// Stores the item in the batch of its type.
     fn commit(
@@ -127,8 +128,8 @@ impl NonlinearEquations {
         self.batches.iter().scan(0, move |row, batch| Some((first(row, batch.as_ref()), batch.as_ref())))
     }
 
-    /// Evaluates parameters that are functions of time. The error is `(row, value)`: a value that is not finite, and the
-    /// first nonlinear row of its item.
+    /// Evaluates parameters that are functions of time. If a value is not finite, the error is `(row, value)`, where `row` is the first row
+    /// of the item, counted from the first nonlinear row.
     pub fn set_time(&mut self, time: f64) -> Result<(), (usize, f64)> {
         let mut first = 0;
         self.batches.iter_mut().try_for_each(|batch| {

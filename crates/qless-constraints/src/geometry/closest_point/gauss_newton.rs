@@ -31,13 +31,13 @@ pub fn closest_parameters<const D: usize>(
     let (mut closest, mut before) = (ClosestParameters { xi: start, converged: false }, f64::INFINITY);
     for count in 0..MAX_STEPS {
         let Some(step) = step(shape, nodes, closest.xi) else {
-            // Even a sound element may have a singular map outside of its boundary.
+            // Even a sound element may have a singular map outside of its boundary. Then the iteration ends without convergence.
             return (count > 0).then_some(ClosestParameters { converged: false, ..closest });
         };
         // The iterates are not clamped to the element: the path to an inner point may lead outside.
         closest.xi = std::array::from_fn(|k| (closest.xi[k] + step[k]).clamp(-4.0, 4.0));
         let size: f64 = step.iter().map(|x| x.abs()).sum();
-        // The error left is about the square of the step.
+        // The remaining error of xi is about the square of the step.
         closest.converged = size < HALF_DIGITS;
         // Stop at convergence, or when the steps are only rounding.
         if size < f64::EPSILON || (size < NO_EXTENT && size >= before) {

@@ -1,7 +1,7 @@
 //! The point of an element nearest to a given point: `min_xi |x(xi) - p|`.
 //!
-//! Gauss-Newton finds it inside the element, a search of the sides finds it on the boundary. If the element has as
-//! many parameters as the space has dimensions, this inverts its map `x(xi)`. Affine elements take one step.
+//! Gauss-Newton finds a point inside the element, and a search of the sides finds a point on the boundary. If the element has as many
+//! parameters as the space has dimensions, this inverts its map `x(xi)`. Affine elements take one step.
 
 pub mod gauss_newton;
 mod proof;
@@ -50,7 +50,7 @@ fn nearest<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> Option<Projectio
     nearest_of(found.into_iter().chain(starts(shape).into_iter().map(|start| at(descend_from(start)))))
 }
 
-/// The nearest of the boundary points and the point with the parameters `inside`.
+/// The point nearest to the origin among the points of the boundary and the point with the parameters `inside`.
 ///
 /// For a skew element the clamped parameters are not the nearest boundary point. So each side is searched too.
 fn about_the_boundary<const D: usize>(shape: Shape, nodes: &[[f64; D]], inside: ShapeParameters) -> Option<Projection> {
@@ -96,18 +96,19 @@ fn projection<const D: usize>(nodes: &[[f64; D]], weights: Vec<f64>) -> Projecti
     Projection { distance: place.iter().fold(0.0, |sum: f64, x| sum.hypot(*x)), weights }
 }
 
-/// Sets weights of at most `8 blur` units in the last place of the largest weight to zero. Then corrects the largest weight
-/// so that the sum is one.
+/// Sets weights of at most `8 blur` units in the last place of the largest weight to zero, where `blur` is the factor by which rounding
+/// errors have grown. Then corrects the largest weight so that the sum is one.
 pub fn complete_weights(mut weights: Vec<f64>, blur: f64) -> Vec<f64> {
     clean(weights.iter_mut(), blur);
     complete(weights.iter_mut(), 1.0);
     weights
 }
 
-/// The result of Gauss-Newton from the centre or, if that lies outside the element, a result inside it from another start.
+/// Runs Gauss-Newton from the centre of the element. If the result lies outside the element, returns a result inside it from another start,
+/// or the first result if there is none.
 ///
-/// If the element has as many dimensions as the space, at most one of its points is the origin. But the iteration from the centre may end
-/// outside at another solution.
+/// Other starts are tried only if the element has as many dimensions as the space and may contain the origin: then the iteration from the
+/// centre may have missed the solution inside, and found another one outside.
 fn inside_or_first<const D: usize>(shape: Shape, nodes: &[[f64; D]]) -> Option<ClosestParameters> {
     let first = closest_parameters(shape, nodes, shape.centre())?;
     let inside = |closest: &ClosestParameters| closest.converged && shape.clamp(closest.xi) == closest.xi;

@@ -40,7 +40,8 @@ pub fn is_nearest<const D: usize>(shape: Shape, nodes: &[[f64; D]], xi: ShapePar
     let farthest = |k: usize| shape.corners().iter().map(|to| (to[k] - xi[k]).abs()).fold(0.0, f64::max);
     let reach = (0..n).map(|k| lengths[k] * farthest(k)).fold(0.0, f64::hypot);
     let [kappa, nu] = second_derivatives(shape, nodes, &x.map(|x| x / distance), lengths);
-    // Whether the element is flat up to rounding. The nearer the point, the less accurate are the direction to it and nu.
+    // Whether the element is flat up to rounding. This is tested separately, because nu is inaccurate if the origin is near: then the
+    // direction to it is inaccurate.
     let is_flat = distance * nu * reach * reach <= least;
     let cosine = if n == 2 { dot(&slopes[0], &slopes[1]) / (lengths[0] * lengths[1]) } else { 0.0 };
     let straight = (1.0 - cosine.abs()).sqrt() - 0.5 * kappa * reach;

@@ -29,7 +29,7 @@ const TETRAHEDRON: [ShapeParameters; 10] =
     with_middles(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], Shape::Tet10);
 const SQUARE: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
 
-/// A corner of the square at the height zeta.
+/// Parameters of corner k of the square [-1, 1] x [-1, 1], at the height zeta.
 const fn corner(k: usize, zeta: f64) -> ShapeParameters {
     [SQUARE[k][0], SQUARE[k][1], zeta]
 }
@@ -48,7 +48,7 @@ const HEXAHEDRON: [ShapeParameters; 27] = {
     let [a, b, c, d] = below;
     let [e, f, g, h] = above;
     let mut all: [ShapeParameters; 27] = with_middles(&[a, b, c, d, e, f, g, h], Shape::Hex27);
-    // The middles of the faces.
+    // Nodes 20 to 25 are the middles of the faces: one parameter is -1 or 1, the others stay zero.
     (all[20][2], all[21][2], all[22][1], all[23][0], all[24][1], all[25][0]) = (-1.0, 1.0, -1.0, 1.0, 1.0, -1.0);
     all
 };

@@ -78,7 +78,7 @@ impl Average {
         if mean > 0.0 { mean } else { 1.0 }
     }
 
-    /// The observed components of all nodes: position and weight, and their DOFs.
+    /// The coupled components of all nodes. Each is an observation (position, axis and weight) with its terms in the DOFs of the node.
     fn observations(&self) -> Vec<(MotionObservation, CoupledComponent)> {
         let (length, most) = (self.mean_arm(), self.nodes.iter().fold(0.0, |most: f64, (_, weight)| most.max(*weight)));
         let observe = |(node, weight): &(Node6, f64)| {

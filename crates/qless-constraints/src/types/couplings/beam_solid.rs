@@ -86,7 +86,8 @@ impl BeamToSolid {
         (0..3).map(move |k| (dofs[k], factor * e[k]))
     }
 
-    /// Adds `motion . (u_b, theta) = motion . q`, where q is the mean rigid motion of the face.
+    /// Adds `motion . (u_b, theta) = motion . q` with six coefficients `motion`. `u_b` and theta are the motion of the beam's node, q is
+    /// the mean rigid motion of the face at that node.
     fn mean(
         &self,
         sink: &mut EquationSink,

@@ -1,5 +1,5 @@
 //! Checks the nodes of a coupling, and adds its equations `sum_j a_j u_j - motion . q = 0`, where q are the six components of the
-//! reference.
+//! reference's motion, and `motion` their coefficients.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -10,8 +10,8 @@ use crate::EquationSink;
 use crate::scalar::clean;
 use crate::scalar::vector::{Vector, dot};
 
-/// Adds `sum_j a_j u_j - motion . q = 0`, where q are the DOFs of the reference. Factors that are only rounding are
-/// left out.
+/// Adds `sum_j a_j u_j - motion . q = 0` with the terms `a_j u_j`; q are the six components of the reference's motion, and `motion` their
+/// coefficients. Coefficients that are only rounding are left out.
 pub fn follow(
     sink: &mut EquationSink,
     part: String,
@@ -28,8 +28,8 @@ pub fn follow(
     Ok(())
 }
 
-/// Factors of `motion . q` for the components q of the reference. A factor that is only rounding, relative to the others of its kind
-/// (translations or rotations), is left out.
+/// Expresses `motion . q` in the components of the reference, which may be along local axes; returns each component with its factor. A
+/// factor is left out if it is only rounding, compared with the other factors of translations, or of rotations.
 fn in_axes(reference: &Node6, motion: [f64; 6]) -> impl Iterator<Item = (Component, f64)> {
     let factor = |component: Component| {
         let kind =

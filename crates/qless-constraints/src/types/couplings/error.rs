@@ -79,7 +79,7 @@ pub enum CouplingError {
         component: Component,
         /// Translation of the reference in a motion that no node observes, in units of the size of the group of nodes.
         translation: Vector<f64>,
-        /// Rotation of the reference in this motion. Translation and rotation together have norm one.
+        /// Rotation of the reference in the motion that no node observes. Translation and rotation together have norm one.
         rotation: Vector<f64>,
     },
     /// Some rotations of a node, but not all three, are to follow a finite rotation.
@@ -169,7 +169,7 @@ pub enum LineFault {
         /// The DOF.
         dof: usize,
     },
-    /// The faces give the line no weight.
+    /// The integrals over the faces give the nodes of the line no positive area, or no positive second moment of area.
     #[error("has no share of the area of the faces; add lines at mid-edge nodes, or choose other faces")]
     NoArea,
 }

@@ -189,7 +189,8 @@ impl FluidWall {
                 return Err(FluidWallError::NoFace { shape, face: i + 1 });
             }
             let places = side.places(i);
-            // The parameter domain has the area 1/2 for triangles and 4 for quadrilaterals.
+            // The area of the face is about the length of the normal times the area of the parameter domain: 1/2 for triangles, 4 for
+            // quadrilaterals.
             let share = if shape.corners().len() == 3 { 0.5 } else { 4.0 };
             let at = |(&node, &xi): (&usize, &ShapeParameters)| (node, point(shape, &places, xi).2.map(|x| share * x));
             Ok(face.nodes.iter().zip(shape.places()).map(at).collect())

@@ -15,7 +15,8 @@ use crate::geometry::surface::Surface;
 use crate::scalar::vector::{Vector, add, axis, cross, hypot, scale};
 use crate::scalar::{HALF_DIGITS, clean, complete};
 
-/// Rounding error of an arm, relative to the largest coordinate: an arm takes a few operations on coordinates.
+/// Rounding error of an arm (a vector from the centre to a point), relative to the largest coordinate. Computing an arm takes a few
+/// operations on coordinates.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// One observed component of the motion of a point.
@@ -34,13 +35,13 @@ pub struct RigidMotionFit {
     factors: JacobiSvd,
     roots: Vec<f64>,
     centre: Vector<f64>,
-    /// The scale of rotations, a length.
+    /// The length by which rotations are multiplied, so that all six components of the motion are lengths.
     length: f64,
     /// Largest singular value that counts as zero. As a result, nodes count as on a line if they deviate from it by less than about 1e-8 of
     /// its length.
     least: f64,
-    /// Size of the coordinates over the size of the arms, at least 1: the factor by which the rounding of coordinates
-    /// grows.
+    /// Size of the coordinates divided by the size of the arms (the vectors from the centre), at least 1. The rounding of coordinates grows
+    /// by this factor, relative to the arms.
     pub blur: f64,
 }
 
@@ -60,7 +61,7 @@ impl RigidMotionFit {
         Self { factors, roots, centre, length: unit / balance, least, blur }
     }
 
-    /// Factors of the observations in `motion . q`, where q is the motion of a reference at `place`.
+    /// Returns the factors `a_k` of `motion . q = sum_k a_k u_k`, where q is the fitted motion at `place` and `u_k` are the observations.
     pub fn factors_of(&self, motion: [f64; 6], place: Vector<f64>) -> Result<Vec<f64>, CouplingError> {
         let p = self.about_centre(motion, place);
         let v = |j: usize| (0..6).map(|i| self.factors.v[i][j] * p[i]).sum::<f64>();
@@ -86,7 +87,8 @@ impl RigidMotionFit {
         [a, b, c, turn[0] / self.length, turn[1] / self.length, turn[2] / self.length]
     }
 
-    /// The error names the undetermined motion of the reference that changes `motion . q` most.
+    /// Makes the error for a motion that is not determined. The error names the undetermined motion of the reference that changes
+    /// `motion . q` most.
     fn undetermined_error(
         &self,
         motion: [f64; 6],
@@ -113,7 +115,7 @@ fn centre(observations: &[MotionObservation]) -> (Vector<f64>, f64) {
     let most = observations.iter().fold(0.0, |most: f64, o| most.max(o.root));
     let weight = |o: &MotionObservation| (o.root / most).powi(2);
     let is_translation = |o: &&MotionObservation| !o.is_rotation;
-    // Only translations depend on arms; without translations, any centre will do.
+    // The centre matters only for translations, since they depend on arms. Without translations, any centre will do.
     let total: f64 = observations.iter().filter(is_translation).map(weight).sum();
     let part = |o: &MotionObservation| scale(weight(o) / total, arm(o.at, first.at));
     let mean =
@@ -132,7 +134,7 @@ fn row(observation: &MotionObservation, r: Vector<f64>, unit: f64) -> [f64; 6] {
     [a, b, c, d / unit, e / unit, f / unit].map(|x| observation.root * x)
 }
 
-/// The factor that gives rotations the same total weight as translations, for a good condition.
+/// The factor that gives rotations the same total weight as translations, so that the matrix is well conditioned.
 fn balance(rows: &[[f64; 6]]) -> f64 {
     let size = |columns: std::ops::Range<usize>| {
         rows.iter().flat_map(|row| &row[columns.clone()]).fold(0.0, |sum: f64, x| sum.hypot(*x))
@@ -175,7 +177,8 @@ impl MeanRigidMotion {
             }
         }
         clean(nodes.values_mut().flatten(), self.fit.blur);
-        // Far from the origin, `clean` sets larger entries to zero. The sums are corrected, so that translations of the face stay exact.
+        // Far from the origin, `clean` also drops entries that change the sums noticeably. So the sums are corrected: then translations of
+        // the face stay exact.
         for (k, &sum) in motion[..3].iter().enumerate() {
             complete(nodes.values_mut().map(|a| &mut a[k]), sum);
         }

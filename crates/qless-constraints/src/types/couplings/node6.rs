@@ -77,7 +77,7 @@ pub struct Node6 {
 /// Components along local axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Local {
-    /// The axes: `X` is along the first, `TurnX` about it.
+    /// The local axes. The component `X` is the translation along the first axis, `TurnX` the rotation about it.
     pub axes: Axes,
     /// Whether each of [`Component::ALL`] is coupled.
     pub listed: [bool; 6],
@@ -152,13 +152,13 @@ impl Node6 {
         self.has(component).then_some(CoupledComponent { kind: component, axis, terms })
     }
 
-    /// The coupled components. [`super::equations::check`] has refused missing DOFs.
+    /// The coupled components. Components with missing DOFs were refused before, by [`super::equations::check`].
     pub(crate) fn coupled_components(&self) -> impl Iterator<Item = CoupledComponent> + use<> {
         let node = *self;
         Component::ALL.into_iter().filter_map(move |component| node.coupled(component))
     }
 
-    /// A coupled component that depends on a missing DOF.
+    /// The first coupled component that depends on a missing DOF, if there is one.
     pub(crate) fn without_dofs(&self) -> Option<Component> {
         let lacks = |component: &Component| self.has(*component) && self.coupled(*component).is_none();
         if self.local.is_some() { Component::ALL.into_iter().find(lacks) } else { None }
@@ -257,11 +257,11 @@ impl Axes {
 fn across(e: Vector<f64>, other: Vector<f64>) -> Option<Vector<f64>> {
     let part = |x: Vector<f64>| sub(x, scale(dot(e, x), e));
     let rest = part(other);
-    // Orthogonalise again: a short remainder of the first pass contains enlarged rounding.
+    // Orthogonalise twice: if the first result is short, its rounding errors are large, relative to its length.
     if norm(rest) > HALF_DIGITS { unit(part(rest)) } else { None }
 }
 
-/// Sets components that are only rounding to zero; they would become coefficients.
+/// Sets components that are only rounding to zero. Otherwise they would become coefficients of equations.
 fn cleaned(mut rows: [Vector<f64>; 3]) -> [Vector<f64>; 3] {
     rows.iter_mut().for_each(|row| clean(row.iter_mut(), 1.0));
     rows

@@ -91,7 +91,8 @@ impl LineCoupling<'_> {
             (0..6).for_each(|k| motion[k] += a * own[k]);
             sizes = [sizes[0] + a.abs(), sizes[1] + a.abs() * norm(r)];
         }
-        // The moments sum to zero, so some factors of the motion are only rounding. They are left out.
+        // If the `a_i` are first moments, they sum to zero, so that some factors of the shell's motion are only rounding. These factors are
+        // set to zero.
         let rounding = |k: usize| ROUNDING * sizes[k / 3];
         motion.iter_mut().enumerate().filter(|(k, x)| x.abs() <= rounding(*k)).for_each(|(_, x)| *x = 0.0);
         clean(terms.iter_mut().map(|(_, a)| a), 1.0);
@@ -163,7 +164,7 @@ impl Constraint for ShellToSolid {
     }
 }
 
-/// Largest allowed distance of a node from the line, relative to the length of the line.
+/// Largest allowed distance of a solid node from the line through the thickness, relative to the length of the line.
 const BENT: f64 = 0.01;
 
 /// Solid nodes on a straight line through the thickness, near a shell node. Each has a share of the side of the solid: its area
@@ -173,7 +174,7 @@ pub struct LineShares {
     /// Indices of the nodes of the line in the surface.
     pub nodes: Vec<usize>,
     origin: Vector<f64>,
-    /// Heights `z_i` of the nodes along the line, above the origin.
+    /// Heights `z_i` of the nodes along the line, measured from its first node.
     heights: Vec<f64>,
     /// The areas `w_i`; [`LineShares::normalise`] divides them by their sum.
     pub weights: Vec<f64>,

@@ -1,4 +1,4 @@
-//! Bodies, and points attached to them: to the ground, to a node, or to a body with rotations.
+//! Bodies of mechanisms, and points that are attached to them. A body is the ground, a node without rotations, or a body with rotations.
 
 use crate::geometry::rotation::RotationKind;
 use crate::geometry::rotation_derivatives;
@@ -118,7 +118,7 @@ impl From<crate::geometry::node::Point> for BodyPoint {
     }
 }
 
-/// Equations on the places of points in space.
+/// Equations `c = 0` that depend only on the current places of some points in space.
 pub(crate) trait PointFunction: Send + Sync + 'static {
     /// As [`Nonlinear::EQUATION_NAMES`].
     const EQUATION_NAMES: &'static [&'static str];
@@ -161,7 +161,8 @@ impl<F: PointFunction, const N: usize> Nonlinear for OnPoints<F, N> {
     }
 }
 
-/// A point that moves with a body: `x = at + u + R arm`.
+/// A point that moves with a body: `x = at + u + R arm`. `at + u` is the place of the body. In the reference configuration, `arm` leads
+/// from there to the point.
 #[derive(Clone, Copy)]
 pub(crate) struct AttachedPoint {
     pub kind: RotationKind,

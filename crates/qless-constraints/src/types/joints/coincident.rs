@@ -21,7 +21,7 @@ pub fn coincident(sink: &mut EquationSink, part: impl Into<Cow<'static, str>>, a
     sink.nonlinear(part, &[first.dofs(), second.dofs()].concat(), parameters);
 }
 
-/// Two points that coincide: `c = sign (x_a - x_b)`, where `sign` is 1 or -1.
+/// Two points `p_a` and `p_b` of two bodies that coincide: `c = sign (p_a - p_b)`, where `sign` is 1 or -1.
 struct Coincident {
     a: AttachedPoint,
     b: AttachedPoint,
@@ -45,7 +45,8 @@ impl Nonlinear for Coincident {
         }
     }
 
-    /// Writes `sign (x_a - x_b)` and its Jacobian `sign [I, d(R_a s_a), -I, -d(R_b s_b)]`, where d is the derivative in the rotations.
+    /// Writes `c = sign (p_a - p_b)` for the points `p_a` and `p_b`, and its Jacobian `sign [I, d(R_a s_a), -I, -d(R_b s_b)]`, where d is
+    /// the derivative in the rotations.
     fn value_and_jacobian(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
         let (a, b) = u.split_at(self.a.dofs());
         let x_a = self.a.write_slopes(a, self.sign, [0, u.len()], g);

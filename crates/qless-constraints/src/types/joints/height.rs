@@ -60,7 +60,7 @@ impl Nonlinear for Height {
         c[0] = dot(up, self.reach(a, b)) - S::from(self.arm) - S::from(self.rise);
     }
 
-    /// All pairs of DOFs, except a position with a position, and a position with a rotation of body b.
+    /// All pairs of DOFs, except two positions, and except a position with a rotation of body b: their second derivatives are zero.
     fn pairs(&self, dofs: usize, pair: &mut dyn FnMut(usize, usize)) {
         let (second, turns) = (self.a.dofs(), self.a.kind.positions()..self.a.dofs());
         let rotates_b = |j: usize| j >= second + self.b.kind.positions();
@@ -73,7 +73,8 @@ impl Nonlinear for Height {
         }
     }
 
-    /// The Jacobian is `[-R_a s, d(R_a s) . reach, R_a s, d(R_b s_b) . R_a s]`, where d is the derivative in the rotations.
+    /// The Jacobian is `[-R_a s, d(R_a s) . reach, R_a s, d(R_b s_b) . R_a s]`, where d is the derivative in the rotations, and `reach` the
+    /// vector from the centre of body a to the point of body b.
     fn value_and_jacobian(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
         let ((a, b), first) = (u.split_at(self.a.dofs()), self.a.kind.positions());
         let (up, reach) = (self.a.kind.rotate(&a[first..], self.s), self.reach(a, b));
@@ -95,7 +96,7 @@ impl Nonlinear for Height {
         let mut own = [[0.0; 10]; 2];
         rotation_derivatives::hessian(self.a.kind, turns_a, s, self.reach(a, b), &mut own[0]);
         rotation_derivatives::hessian(self.b.kind, turns_b, self.b.arm, up, &mut own[1]);
-        // Derivative of the reach with respect to a DOF: a position of a or b, or a rotation of b.
+        // Derivative of the vector from the centre of a to the point of b, with respect to a DOF: a position of a or b, or a rotation of b.
         let moved = |j: usize| -> Vector<f64> {
             let along = |axis: usize, sign: f64| std::array::from_fn(|i| if i == axis { sign } else { 0.0 });
             match j.checked_sub(a.len()) {

@@ -84,7 +84,7 @@ pub struct TranslationMotor {
     pub a: Body,
     /// The body or node that is moved.
     pub b: Body,
-    /// A point in the reference configuration, coordinates.
+    /// Coordinates of `p_a` and `p_b`, the points of both bodies, in the reference configuration.
     pub at: Vector<f64>,
     /// The direction of the axis in the reference configuration, of any length.
     pub axis: Vector<f64>,

@@ -62,7 +62,7 @@ impl Tilt {
         Self { frame: [axis, first, second] }
     }
 
-    /// m and v of the quaternion q; the last entry is unused.
+    /// `(m, v)` of the quaternion q, whose angle vector is the tilt of the axis. The last entry is unused.
     fn parts<S: Arithmetic>(&self, q: Quaternion<S>) -> [S; 4] {
         let (q0, [t, x, y], two) = (q[0], self.frame.map(|e| dot(lift(e), [q[1], q[2], q[3]])), S::from(2.0));
         [q0 * q0 + t * t - x * x - y * y, two * (q0 * x - t * y), two * (q0 * y + t * x), S::from(0.0)]
@@ -82,9 +82,9 @@ impl RotationFunction for Tilt {
 pub struct Twist {
     /// Unit vector along the axis.
     axis: Vector<f64>,
-    /// phi at the current time, in radians.
+    /// The prescribed angle phi at the current time, in radians.
     angle: f64,
-    /// phi as a function of time.
+    /// The prescribed angle phi as a function of time.
     motion: TimeFunction,
 }
 
@@ -121,7 +121,7 @@ impl RotationFunction for Twist {
     }
 }
 
-/// Zero if a direction of body a and one of body b are perpendicular.
+/// The cosine of the angle between a direction of body a and one of body b; zero if they are perpendicular.
 pub struct PerpendicularAxes {
     pub of_a: Vector<f64>,
     pub of_b: Vector<f64>,

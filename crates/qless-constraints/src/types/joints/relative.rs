@@ -131,7 +131,7 @@ impl<F: RotationFunction> Nonlinear for RelativeRotation<F> {
             let across = if of_b { product(z, conjugate(slopes_b[j - count_a])) } else { [0.0; 4] };
             for (k, slot) in (0..=j).zip(&mut slots) {
                 let second = match (of_b, k >= count_a) {
-                    // z . (conj(dq_a) dq_b) = conj(dq_a) . (z conj(dq_b)).
+                    // With z = dc/dq: z . (conj(dq_a) dq_b) = conj(dq_a) . (z conj(dq_b)).
                     (true, false) => inner(conjugate(slopes_a[k]), across),
                     (true, true) => own[1][triangle_before(j - count_a) + k - count_a],
                     (false, _) => own[0][triangle_before(j) + k],

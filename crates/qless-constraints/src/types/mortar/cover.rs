@@ -63,7 +63,7 @@ impl<const D: usize, const F: usize> MortarTie<D, F> {
         FacetPiece::all(self.slave.faces[facet].shape, &places(&self.slave, facet)).unwrap_or_default()
     }
 
-    /// The segments of a piece with a master facet, at any distance.
+    /// The overlaps of a piece of a slave facet with a master facet, however large the gap between them.
     fn overlaps(&self, piece: &FacetPiece, master: usize) -> impl Iterator<Item = MortarSegment> + use<D, F> {
         piece.segments(self.master.faces[master].shape, &places(&self.master, master)).into_iter()
     }
@@ -71,7 +71,7 @@ impl<const D: usize, const F: usize> MortarTie<D, F> {
     fn check_cover(&self, facet: usize, piece: &FacetPiece, covered: f64) -> Result<(), MortarError> {
         let (size, tolerance) = (piece.outline.size(), self.tolerance);
         let bare = size - covered;
-        // A facet that is mostly uncovered is refused for every tolerance.
+        // Even a large tolerance allows at most half of the piece to be uncovered.
         let allowed = (tolerance * piece.outline.border()).min(size / 2.0) + HALF_DIGITS * size;
         if within(bare.abs(), allowed) {
             Ok(())

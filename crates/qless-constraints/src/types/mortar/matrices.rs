@@ -21,7 +21,7 @@ struct EntrySum {
     terms: f64,
 }
 
-/// A row of the mortar matrices D and -M, by node.
+/// A row of the mortar matrices: the entries of D by slave node, and those of -M by master node.
 #[derive(Default)]
 pub(super) struct MortarRow {
     slaves: BTreeMap<usize, EntrySum>,

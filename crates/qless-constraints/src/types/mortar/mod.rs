@@ -78,8 +78,8 @@ pub struct MortarTie<const D: usize, const F: usize = D> {
     pub master: Surface<D, F>,
     /// The functions `Phi_i` of the multipliers.
     pub multipliers: Multipliers,
-    /// Largest gap between the sides, a length. A slave facet may also have an uncovered border of this width, up to
-    /// half of its size.
+    /// Largest gap between the sides, a length. A slave facet may also have an uncovered border of this width, if the border is at most
+    /// half of the facet.
     pub tolerance: f64,
 }
 

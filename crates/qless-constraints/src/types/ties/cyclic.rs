@@ -43,7 +43,7 @@ pub struct Cyclic<const D: usize, const F: usize = D> {
     pub b: Node<D, F>,
     /// Rotation from one sector to the next.
     pub turn: Turn<D>,
-    /// The kind of the fields.
+    /// Whether the fields are vectors, which rotate with the sector, or scalars.
     pub fields: Turning,
     /// Largest allowed distance between node b and the rotated node a, a length.
     pub tolerance: f64,
@@ -51,8 +51,8 @@ pub struct Cyclic<const D: usize, const F: usize = D> {
 
 /// Cyclic symmetry of harmonic k: F equations for the real parts of the amplitudes, and F for the imaginary parts.
 ///
-/// If k is 0 or half the number of sectors, `e^(i k alpha)` is real. Then no equation couples the real and imaginary
-/// parts, and the real part suffices.
+/// If the harmonic k is 0 or half the number of sectors, `e^(i k alpha)` is real for the sector angle alpha. Then no equation couples the
+/// real and imaginary parts, and the real part suffices.
 ///
 #[doc = include_str!("../../../docs/pictures/cyclic_harmonic.svg")]
 ///
@@ -87,7 +87,7 @@ pub struct CyclicHarmonic<const D: usize, const F: usize = D> {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CyclicError {
-    /// The fields are not vectors.
+    /// The fields cannot be vectors: their number F is not a multiple of the dimension D.
     #[error("{fields} fields are not vectors of {dimensions} components each; tie vectors and scalars separately")]
     NoVectors {
         /// F, the number of fields.

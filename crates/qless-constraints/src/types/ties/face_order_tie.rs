@@ -95,7 +95,7 @@ impl<const F: usize> FaceSide<F> {
     /// The face of an element, from the DOFs of its nodes in the order of the shape.
     ///
     /// # Errors
-    /// [`FaceOrderTieError`] if the shape is not a face or has another number of nodes.
+    /// [`FaceOrderTieError`] if the shape is not a face, or if `dofs` does not have one entry for each of its nodes.
     pub fn of_shape(shape: Shape, dofs: &[[usize; F]]) -> Result<Self, FaceOrderTieError> {
         let polynomials = Polynomials::from_shape(shape).ok_or(FaceOrderTieError::NoFace { shape })?;
         if dofs.len() != shape.nodes() {
@@ -155,7 +155,7 @@ pub enum FaceOrderTieError {
         /// The shape.
         shape: Shape,
     },
-    /// A shape has another number of nodes.
+    /// The number of nodes given is not that of the shape.
     #[error("{found} nodes are given; a {shape:?} has {}", shape.nodes())]
     Nodes {
         /// The shape.

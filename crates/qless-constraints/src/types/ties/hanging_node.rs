@@ -94,7 +94,7 @@ impl<const F: usize> HangingNode<F> {
         }
     }
 
-    /// The parameters, clamped to the parent; they may be outside by rounding.
+    /// The parameters of the node. If they are outside of the parent by rounding, they are moved to its boundary.
     fn place(&self) -> Result<ShapeParameters, HangingNodeError> {
         let [xi, eta] = self.at;
         let given = [xi, if self.shape.dimensions() == 1 { 0.0 } else { eta }, 0.0];

@@ -34,7 +34,7 @@ use crate::{Constraint, EquationSink};
 pub struct LineTie<const D: usize, const F: usize = D> {
     /// The nodes that are tied.
     pub slave: Vec<Node<D, F>>,
-    /// The nodes of the line they are tied to, in order.
+    /// The nodes of the line to which `slave` is tied, in order along this line.
     pub master: Vec<Node<D, F>>,
     /// Largest distance of a node from the line, a length.
     pub tolerance: f64,
