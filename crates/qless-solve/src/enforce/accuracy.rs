@@ -21,8 +21,8 @@ use super::matrix::entries;
 use super::part::EnforcedPart;
 use crate::common::{ENTRY_ROUNDING, RandomForces};
 
-/// Number of random solves if a DOF has no known unit. The largest of so many random errors of a DOF is seldom far below the largest
-/// possible error.
+/// Number of random solves if a DOF has no known unit. The largest of four random errors of a DOF is seldom far below its largest possible
+/// error.
 const TRIALS: usize = 4;
 
 /// Estimated rounding errors of the DOFs of one solution, and the references that these errors are compared with.
@@ -65,8 +65,8 @@ impl DisplacementErrors {
         Some(errors)
     }
 
-    /// The reference of each DOF: its size. A size that is only rounding is replaced by the terms of the DOF's rows, divided by its
-    /// coefficient there.
+    /// The reference of each DOF is its own size. If that is only rounding, the largest term of the DOF's rows is taken instead, divided by
+    /// the DOF's coefficient in that row.
     fn referenced(&self, mut sizes: Vec<f64>, model: &Equations, terms: &[f64]) -> Vec<f64> {
         let n = sizes.len();
         let is_zero: Vec<bool> = sizes.iter().zip(&self.rounding).map(|(size, rounding)| size <= rounding).collect();

@@ -21,8 +21,8 @@ pub type Entry = (usize, usize, f64);
 /// A nonzero entry of a matrix: `(row, column, log2 of the size)`.
 type Power = (usize, usize, f64);
 
-/// Largest number of passes that balance K. Each pass halves the exponents of rows that are off; exponents are below 2^11. Definite
-/// matrices need one pass.
+/// Largest number of passes that balance K. Each pass halves the exponents by which rows are out of balance; exponents are below 2^11.
+/// Definite matrices need one pass.
 const SWEEPS: usize = 20;
 /// The exponent of a DOF without a scale.
 const NONE: f64 = f64::NEG_INFINITY;

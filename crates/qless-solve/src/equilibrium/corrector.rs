@@ -44,7 +44,7 @@ pub struct Corrector<'a, M> {
     pub ahead: Vec<f64>,
     /// For each part, whether its forces or equations depend on prescribed DOFs that have yet to move.
     pub awaits: Vec<bool>,
-    /// The last configuration that could be evaluated; failed parts return to it.
+    /// For each part, whether its forces or equations depend on prescribed DOFs that have not yet moved to their new values.
     pub last_valid: Option<Unknowns>,
 }
 
@@ -63,7 +63,7 @@ pub struct PartProgress {
     pub iterates: Vec<EquilibriumIterate>,
     /// Length of the last step, 1 for a full correction.
     pub length: f64,
-    /// DOFs of a motion without resistance, at the last iterate.
+    /// DOFs of a motion that the tangent does not resist, at the last iterate; none if it resists all motions.
     pub loose: Option<Vec<usize>>,
     /// Number of changes of the kept rows.
     changes: usize,
@@ -73,7 +73,8 @@ pub struct PartProgress {
 pub enum PartStage {
     /// The part is iterated.
     Iterating,
-    /// The part takes this correction as soon as all parts are ready to move their prescribed DOFs: parts may share these.
+    /// The part is ready to take this correction. It waits until all parts are ready to move their prescribed DOFs, since parts may share
+    /// these DOFs.
     Ready(Vec<f64>),
     /// The part is in equilibrium.
     Done,

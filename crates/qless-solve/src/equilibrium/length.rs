@@ -8,7 +8,8 @@ use super::corrector::{Correction, Corrector, PartStage};
 use super::state::Unknowns;
 use super::{EquilibriumError, Model};
 
-/// A smaller step length counts as failure: a load step of the same fraction serves better, since Newton's method converges along it.
+/// A part whose step length falls below this number fails. The load step is then shortened instead, which serves better, since Newton's
+/// method converges along a shorter load step.
 const SHORTEST: f64 = 1e-4;
 /// If residuals are within this factor of their tolerance, a full step is taken without a test. Rounding would make the test meaningless,
 /// and the next residual is about the square of this one.
@@ -42,7 +43,8 @@ impl<M: Model> Corrector<'_, M> {
         Ok(())
     }
 
-    /// Starts a search, with a full step if only rounding is left.
+    /// Starts the search for the step length of a part. If residuals are near their tolerance, a full step needs no search; `None` if the
+    /// part waits for prescribed DOFs.
     fn start(&mut self, step: Correction) -> Option<LengthSearch> {
         let own = &mut self.all[step.part];
         if step.only_multipliers {

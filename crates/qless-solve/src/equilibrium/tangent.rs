@@ -84,8 +84,8 @@ impl<M: Model> Corrector<'_, M> {
         SaddleEntries { units, free: free.len(), stiff, list }
     }
 
-    /// The tangents of parts in equilibrium. A part fails if its tangent does not resist every admissible motion. A part needs no check if
-    /// the smallest singular value of its scaled tangent is above half of the digits.
+    /// Computes the tangents of parts in equilibrium. A part fails if its tangent does not resist every admissible motion. A part needs no
+    /// check if the smallest singular value of its scaled tangent is larger than the square root of eps.
     pub fn check_support(&mut self, parts: &[usize], x: &Unknowns) -> Result<Vec<(usize, Saddle)>, EquilibriumError> {
         let (mut firm, mut found, mut off) = (Vec::new(), Vec::new(), x.clone());
         for &part in parts {
@@ -111,7 +111,7 @@ impl<M: Model> Corrector<'_, M> {
             let there = saddle.applied(&self.entries(part), &saddle.softest.0);
             self.all[part].rows = before;
             let change: Vec<f64> = there.iter().zip(&here).map(|(there, here)| there - here).collect();
-            // If multipliers dominate, rows are nearly dependent; that is not a free motion.
+            // If multipliers dominate the softest vector, `dofs` is empty: rows are nearly dependent, and the model has no free motion.
             let dofs = self.motion(part, &saddle.softest.0);
             if norm(&change) > 0.1 * norm(&here) && !dofs.is_empty() {
                 self.all[part].fail(EquilibriumError::Unsupported { factor: 0.0, dofs });

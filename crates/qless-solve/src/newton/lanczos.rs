@@ -11,13 +11,13 @@ use crate::common::random;
 /// its vector is accurate.
 const VECTORS: usize = 60;
 
-/// The part of each unknown, and the number of parts. Unknowns without a part stay zero.
+/// The part of each unknown, and the number of parts. Vectors stay zero at unknowns without a part.
 pub struct KrylovParts {
     pub part_of: Vec<Option<usize>>,
     pub parts: usize,
 }
 
-/// The lowest eigenvalue of each part, none for a part without unknowns, and the unit eigenvectors.
+/// For each part, the lowest eigenvalue (none without unknowns); and one vector that holds the unit eigenvectors of all parts.
 pub fn lowest<E>(
     apply: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
     numbers: &KrylovParts,
@@ -31,7 +31,7 @@ pub fn lowest<E>(
         (0..2).for_each(|_| basis.iter().for_each(|b| numbers.subtract(&mut next, b)));
         let after = numbers.dots(&next, &next);
         let k = basis.len();
-        // What is left of an image in the span of the others is rounding.
+        // If the image lies in the span of the basis vectors, only rounding is left of it after their projections are subtracted.
         let is_new = |part: usize| after[part].sqrt() > 1e3 * f64::EPSILON * before[part].sqrt();
         let open: Vec<bool> = (0..numbers.parts).map(|p| counts[p] == k && k < sizes[p] && is_new(p)).collect();
         if !open.contains(&true) {
