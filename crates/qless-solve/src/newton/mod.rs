@@ -93,7 +93,7 @@ pub(crate) struct PartwiseSolution {
     pub redundant: Vec<usize>,
 }
 
-/// As [`solve`], but parts continue if others fail. The prescribed DOFs are those of `parts`.
+/// As [`solve`], but other parts continue if a part fails. The prescribed DOFs are those that `parts` was made with.
 ///
 /// # Errors
 /// [`NewtonError`] of the whole model.
