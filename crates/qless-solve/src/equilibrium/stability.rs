@@ -1,9 +1,10 @@
 //! Stability of an equilibrium: the number of negative eigenvalues of `Z^T (K + H) Z`, where Z is a basis of `G Z = 0`.
 //!
-//! Let `M = [K + H, G^T; G, -s I]` with m rows of G; then `inertia M = inertia (K + H + G^T G / s) + (0, m)`. For `A = M + s [0, 0; 0, I]`,
-//! `inertia A = inertia (Z^T (K + H) Z) + (m, m)` (Gould 1985). Both have the same inertia if no `M - t (M - A)`, `0 <= t <= 1`, is
-//! singular, that is, if the powers of `M^-1 (M - A) = I - M^-1 A` decay. This is checked with the computed factors `L D L^T`, including
-//! their rounding. If they do not prove the inertia, the result is undecided.
+//! An inertia counts positive and negative eigenvalues. Let `M = [K + H, G^T; G, -s I]` with m rows of G and a shift s; then `inertia M =
+//! inertia (K + H + G^T G / s) + (0, m)`. For `A = M + s [0, 0; 0, I]`, `inertia A = inertia (Z^T (K + H) Z) + (m, m)` (Gould 1985). Both
+//! have the same inertia if no `M - t (M - A)`, `0 <= t <= 1`, is singular, that is, if the powers of `M^-1 (M - A) = I - M^-1 A` decay.
+//! This is checked with the computed factors `L D L^T`, including their rounding. If they do not prove the inertia, the result is
+//! undecided.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
