@@ -4,7 +4,8 @@ use qless::{BackendChoice, Effort, Options};
 
 /// The library and settings that do the work.
 pub enum Engine {
-    /// One sparse QR of `C^T` or of C, whichever is faster, without presolve, scaling or checks: the unit of time.
+    /// One sparse QR of `C^T` or of C, whichever is faster, without presolve, scaling or checks. Its time is the unit for the times of all
+    /// methods.
     BareQr,
     /// qless with these settings.
     Qless(Options),

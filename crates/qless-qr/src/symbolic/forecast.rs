@@ -25,11 +25,11 @@ pub(crate) struct FrontShape {
     pub rank: usize,
     /// Number of entries of these rows of R.
     pub entries: usize,
-    /// Numbers of rows, columns and entries of the contribution to the parent.
+    /// Number of rows of the contribution to the parent; the next two fields are its numbers of columns and entries.
     pub passed_rows: usize,
     pub passed_cols: usize,
     pub passed_entries: usize,
-    /// Number of reflections and total length of their vectors.
+    /// Number of reflections; the next field is the total length of their vectors.
     pub reflections: usize,
     pub vector_entries: usize,
 }

@@ -1,9 +1,9 @@
 //! Relative errors of u, in dimensionless numbers. Each DOF is compared with a reference:
 //!
 //! ```text
-//! known unit        the largest of these DOFs, or the largest displacement that a load would cause on the stiffness of its DOF
+//! known unit        the largest of all these DOFs, or the largest displacement that a load would cause on the stiffness of its DOF
 //! no known unit     the DOF itself
-//! rounding only     the terms of its equations, max_r (|C| |u| + |b|)_r / |C_rj|; if they are rounding as well, those of its forces
+//! rounding only     the terms of the DOF's equations, max_r (|C| |u| + |b|)_r / |C_rj|; if they are rounding too, those of its forces
 //! ```
 //!
 //! Random errors of the terms estimate the rounding y of a solution x; e is their relative size, and M^-1 the computed inverse:

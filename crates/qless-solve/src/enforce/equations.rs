@@ -8,15 +8,16 @@ use super::EnforceError;
 use super::matrix::entries;
 use crate::common::{ENTRY_ROUNDING, SparseMatrix, times};
 
-/// A relative error up to this size counts as rounding: that of an entry, and of the few products that the entry takes part in.
+/// A relative error up to this size counts as rounding. It covers the rounding of an entry, and of the few products in which the entry
+/// occurs.
 pub const ROUNDING: f64 = 4.0 * ENTRY_ROUNDING;
 /// The largest relative residual that a row may have: half a million machine epsilons, so that sums of many terms can reach it.
 pub const BALANCED: f64 = 1e-10;
 /// Floor for the terms of a row, relative to the largest terms of its part. The product `BALANCED * FLOOR` = 1e-13 is the rounding of a sum
 /// of hundreds of terms.
 pub const FLOOR: f64 = 1e-3;
-/// Largest number of solves in a refinement. Corrections that shrink by a factor of 0.8 reach [`BALANCED`] within it from any start; slower
-/// ones are not worth their cost.
+/// Largest number of solves in a refinement. Corrections that shrink by a factor of 0.8 reach [`BALANCED`] within this number from any
+/// start; slower ones are not worth their cost.
 const SOLVES: usize = 200;
 
 /// A function that computes `M^-1 r`, where M approximates A.

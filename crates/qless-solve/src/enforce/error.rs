@@ -183,14 +183,14 @@ const NAMED: usize = 8;
 pub struct FreeMotion {
     /// The DOFs that move, ascending.
     pub dofs: Vec<usize>,
-    /// Displacement of each of these DOFs in its own unit; the largest is 1 or -1.
+    /// Displacement of each DOF in `dofs`, in the unit of the DOF; the largest is 1 or -1.
     pub motion: Vec<f64>,
     /// Largest force that resists the motion, relative to its terms: zero or rounding.
     pub resistance: f64,
 }
 
 impl FreeMotion {
-    /// Creates it from the motion u of all DOFs, and the same motion `sizes` in dimensionless numbers.
+    /// Creates the free motion from the motion u of all DOFs, and from the same motion `sizes` in dimensionless numbers.
     pub(super) fn new(u: &[f64], sizes: &[f64], resistance: f64) -> Self {
         let most = sizes.iter().fold(0.0, |most: f64, size| most.max(size.abs()));
         let dofs: Vec<usize> = (0..u.len()).filter(|&j| sizes[j].abs() > SHARE * most).collect();

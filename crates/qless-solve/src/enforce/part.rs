@@ -75,7 +75,7 @@ pub struct PartTerms {
     rows: Vec<usize>,
     k: Vec<Entry>,
     c: Vec<Entry>,
-    /// Terms with prescribed DOFs as `(row, coefficient, value)`; rows of C follow those of K.
+    /// Coefficients of prescribed DOFs with their values: `(row, coefficient, value)`; rows of C follow those of K.
     moved: Vec<(usize, f64, f64)>,
 }
 

@@ -2,8 +2,8 @@
 //! fail, the most severe error is returned.
 //!
 //! Every part is first solved exactly, by elimination or multipliers; augmented equations get this solution, whatever their factor is.
-//! Penalties start from it. Let M^-1 be the exact inverse, D the stiffness of the springs, and `Z x` their displacements, `Z = 1 / D` for
-//! the multipliers in x and 0 for the DOFs:
+//! Penalties start from it. D is the stiffness of the springs, `Z = 1 / D` their compliance, and M^-1 the inverse for Z = 0. In `Z x`, Z
+//! multiplies the multipliers in x, which gives the displacements of the springs:
 //!
 //! ```text
 //! [K C^T; C -Z] x = b        x <- M^-1 (b + Z x)
@@ -91,7 +91,7 @@ fn penalised(
         let z: Vec<f64> = compliance(part).into_iter().map(|z| z / share).collect();
         let model = saddle_equations(part, &z)?;
         let refined = model.refine(&mut |r| inverse.solve(r), (&part.rhs.0, &part.rhs.1))?;
-        // A difference of two solutions below eps is rounding.
+        // Differences below eps are rounding, so the relative error is at least eps.
         let error = if refined.share <= 1.0 { errors.between(exact, &refined.x).max(f64::EPSILON) } else { 1.0 };
         Ok((refined, error))
     };

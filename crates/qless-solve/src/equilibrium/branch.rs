@@ -21,7 +21,7 @@ use crate::newton::{Parts, change};
 
 /// Largest spectral radius of P in an accepted step. At one, branches may meet; the limit leaves a margin for the curvature of the path.
 const MOST: f64 = 0.5;
-/// Number of applications of P to a vector. The second half of them estimates the spectral radius of P, to about a tenth.
+/// Number of applications of P to a vector. The growth in the second half of them estimates the spectral radius of P, to about a tenth.
 const POWERS: usize = 8;
 /// A step is accepted if it changes the constraint Jacobian G by at most this fraction, or if its path deviates from a straight one by at
 /// most this fraction of the units of the DOFs. The result is then near its start, even if branches meet on the way.
@@ -33,7 +33,8 @@ const NEARER: f64 = 1e-3;
 /// The constraints determine a DOF if it moves by at most this fraction of its unit while the other DOFs move by about their units. The
 /// fraction is far above the rounding of the saddle solution, and far below any motion.
 const STILL: f64 = 1e-6;
-/// Number of times at which a step is checked. At each of them, a step over whole periods passes with a probability of about 0.1.
+/// Number of times at which a load step is checked for full turns between its ends. A step over whole periods passes the check at each of
+/// these times with a probability of about 0.1.
 const TIMES: u32 = 8;
 
 /// The state of one part at the start of a load step. [`Branch::check`] tests whether a step stays on the same solution branch.
@@ -157,7 +158,7 @@ pub fn check_jumps(
     };
     let (start, end) = (ahead(from)?, ahead(to)?);
     for k in 1..=TIMES {
-        // Multiples of the golden ratio, modulo one: no period fits all of them.
+        // These times are multiples of the golden ratio, modulo one. No period of a motion fits all of them.
         let part = (f64::from(k) * 0.618_033_988_749_895).fract();
         for (((branch, dx), from), to) in branches.iter().zip(ahead(from + part * (to - from))?).zip(&start).zip(&end) {
             let whole: Vec<f64> = to.iter().zip(from).map(|(to, from)| to - from).collect();

@@ -53,7 +53,8 @@ pub struct Correction {
     pub part: usize,
     pub saddle: Saddle,
     pub dx: Vec<f64>,
-    /// Whether to change multipliers only, which may make the tangent regular, as for a chain without tension.
+    /// Whether the correction changes multipliers only. New multipliers may make a singular tangent regular, as tension does for a slack
+    /// chain.
     pub only_multipliers: bool,
 }
 

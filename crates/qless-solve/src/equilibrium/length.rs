@@ -1,6 +1,6 @@
-//! Step lengths by the natural monotonicity test (Deuflhard, Newton Methods for Nonlinear Problems, NLEQ-ERR): the next correction with the
-//! same tangent A and the residual F, `A^-1 F(x + t dx)`, is shorter than dx by the fraction `t / 4`. If a stiff direction bends (an axis,
-//! a rod), forces rise for a step although the error falls; a test of the residual would forbid that step.
+//! Finds step lengths t by the natural monotonicity test (Deuflhard, Newton Methods for Nonlinear Problems, NLEQ-ERR). The next correction
+//! with the same tangent A and the residual F, `A^-1 F(x + t dx)`, must be shorter than dx by at least the fraction `t / 4`. The test
+//! compares corrections, not residuals: if a stiff direction bends (an axis, a rod), a step raises forces although it reduces the error.
 //!
 //! All parts try their lengths together. Parts that have found their length wait.
 
@@ -61,7 +61,7 @@ impl<M: Model> Corrector<'_, M> {
         Some(LengthSearch { size: step.saddle.length(&step.dx), step, t, found: near })
     }
 
-    /// One trial of all open searches. It overwrites the evaluated forces, constraint values and Jacobian.
+    /// Tries the lengths of all open searches once. This overwrites the evaluated forces, constraint values and Jacobian.
     fn attempt(&mut self, x: &Unknowns, searches: &mut [LengthSearch]) -> Result<(), EquilibriumError> {
         let mut trial = x.clone();
         let mut open: Vec<&mut LengthSearch> = searches.iter_mut().filter(|search| !search.found).collect();

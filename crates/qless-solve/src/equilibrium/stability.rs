@@ -19,14 +19,14 @@ use faer::{Conj, MatMut, Par, Side, Spec};
 use super::saddle::norm;
 use crate::common::{SparseMatrix, random, times};
 
-/// Values to try for the shift s of the saddle matrix A to M, for entries of size one. With a large s, M differs much from A; with a small
-/// s, the stiffness is lost to rounding. Values near the square root of eps avoid both.
+/// Values of the shift s to try, for a saddle matrix A with entries of size one; M is A with `-s I` in the zero block. With a large s, M
+/// differs much from A; with a small s, the stiffness is lost to rounding. Values near the square root of eps avoid both.
 const SHIFTS: [f64; 4] = [1e-6, 1e-8, 1e-4, 1e-10];
 /// Limit for the number of terms of `G^T G`, relative to the entries of the saddle matrix A. An equation with all DOFs would make `G^T G` a
 /// full matrix. At a hundred, memory is still that of a factorization.
 const FILL: usize = 100;
-/// Number of applications of `M^-1 (M - A)`, where M is the shifted saddle matrix A. They prove the inertia if each shrinks a vector to
-/// less than a third.
+/// Number of applications of `M^-1 (M - A)` to a vector, where M is the shifted saddle matrix A. They prove the inertia if they shrink the
+/// vector to a third or less per application, on average.
 const POWERS: i32 = 6;
 
 /// Whether the energy has a minimum at an equilibrium, among the motions that the constraints allow.

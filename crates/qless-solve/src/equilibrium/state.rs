@@ -17,7 +17,7 @@ pub struct Unknowns {
     pub multipliers: Vec<f64>,
 }
 
-/// Model and constraints at one configuration.
+/// The model and the constraints, evaluated at one configuration.
 pub struct EquilibriumState {
     pub assembly: Assembly,
     pub evaluation: Evaluation,

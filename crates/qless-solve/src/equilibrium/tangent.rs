@@ -1,8 +1,8 @@
 //! Tangents of one iterate, over kept rows that are independent there, and the check that they support the model.
 //!
 //! Rows that were independent where they were chosen may be dependent elsewhere; rows that differ only by the rounding of G are always
-//! dependent. The null vector of the tangent shows which rows these are; the last of them is left out. The end of the iteration checks
-//! whether this row holds.
+//! dependent. The null vector of the tangent shows which rows are dependent, and the last of them is left out. At the end of the iteration,
+//! the left-out row is checked: it must hold too.
 //!
 //! In equilibrium the tangent must resist every admissible motion by more than rounding. A bar without force, for example, has a transverse
 //! stiffness from the rounding of its strain.

@@ -1,6 +1,6 @@
-//! A configuration with its residuals, which are measured independently of units.
+//! A configuration with its residuals, which are measured independently of units in two ways:
 //!
-//! - `D_r |c_r|` with the weights D, relative to the largest size of terms in a part. It tells whether c falls.
+//! - `D_r |c_r|` with the weights D, relative to the largest weighted size of terms in the part. It tells whether c falls.
 //! - `|c_r| / rounding_r`: multiples of the bound on the rounding of c_r. It tells whether an equation holds.
 
 use qless::{ArgumentError, Csr};

@@ -137,7 +137,7 @@ impl<'a> Iteration<'a> {
         Ok(())
     }
 
-    /// Whether a redundant equation does not hold. Its tolerance includes the rounding of the equations in its certificate.
+    /// Whether a redundant equation does not hold, beyond the rounding of this equation and of the equations in its certificate.
     fn contradicts(&self, analysis: &Analysis, row: usize) -> Result<bool, ArgumentError> {
         if self.residuals[row] <= self.options.tolerance {
             return Ok(false);

@@ -1,7 +1,7 @@
 //! The lowest eigenpair of each diagonal block of a symmetric operator, by Lanczos' method. Blocks belong to connected parts.
 //!
-//! All parts are iterated together: one vector holds a Krylov vector of each part, so that one application of the operator serves all.
-//! Scalar products, norms and termination are separate.
+//! All parts are iterated together: one vector holds a Krylov vector of each part, so that one application of the operator serves all. Each
+//! part has its own scalar products, norms and termination.
 
 use faer::{Mat, Side};
 

@@ -38,8 +38,7 @@ impl LowerRank<'_> {
         best: &mut StepLengths,
         buffer: &mut Evaluation,
     ) -> Result<(), NewtonError> {
-        // A relative residual below HALF_DIGITS counts as HALF_DIGITS, the least tolerance of
-        // [`linearise`](super::linearisation::linearise).
+        // A relative residual below HALF_DIGITS counts as HALF_DIGITS, the least tolerance with which `linearise` analyses rows.
         let residual = |part: usize| line.from.residuals[part].max(HALF_DIGITS);
         let is_short = |part: &usize| self.goals[*part] == StepGoal::Downhill && best.lengths[*part] < 1.0;
         let mut open: Vec<usize> = (0..self.goals.len()).filter(is_short).collect();

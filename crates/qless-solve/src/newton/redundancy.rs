@@ -15,8 +15,8 @@ use super::solution::NewtonOptions;
 use super::solve_each;
 use crate::common::random;
 
-/// Largest motion of a DOF on the way to the second configuration, relative to its reach: G changes by about this fraction, far more than
-/// the rank needs, and far less than a turn.
+/// Largest motion of a DOF on the way to the second configuration, relative to its reach. The constraint Jacobian G changes by about this
+/// fraction: far more than the rank needs, and far less than in a full turn.
 const STEP: f64 = 0.05;
 /// Number of random directions. If G is singular, it allows directions that lead to no other configuration, so that one try is not enough.
 const TRIES: u64 = 8;

@@ -4,8 +4,8 @@
 //!   Terms of linear rows vanish with u, so that only the ratios of their entries count: a DOF without nonlinear rows gets its reach from
 //!   other DOFs of its linear rows, or 1.
 //! - With suitable weights E of the columns, the geometric mean of `D_r |G_rj| E_j` over each row and column is one (Curtis and Reid 1972).
-//!   Other units change `D_r c_r` by one common factor only. Sizes of terms would not serve: those of `u_0 + |u|^2 / 2` vanish with u, and so
-//!   does c.
+//!   Other units change `D_r c_r` by one common factor only. Sizes of terms would not serve: those of `u_0 + |u|^2 / 2` vanish with u, and
+//!   so does c.
 //!
 //! For the reach, an entry of a nonlinear row counts as the size of its terms, known from its rounding, even if they cancel. In each row,
 //! the entries of translations of nodes count as the largest of them, and so do those of rotations: otherwise a rod along an axis would

@@ -15,8 +15,8 @@ use super::linearisation::{LOST, Motions};
 use super::parts::Parts;
 use super::step::times;
 
-/// For each part, a motion that reduces its contradicted rows, of the length that second order predicts, and whether there is one. If not,
-/// the rows conflict.
+/// For each part with contradicted rows, a motion du that reduces them, of the length that second order predicts; and for each part whether
+/// there is such a motion. Without one, the rows conflict.
 ///
 /// Eigenvalues above minus [`LOST`], relative to the sizes of the terms, do not count as negative.
 pub fn second_order_directions(

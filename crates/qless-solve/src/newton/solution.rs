@@ -8,8 +8,8 @@ pub struct NewtonOptions {
     /// Largest `|c_r|` of a solution, in multiples of the bound on its rounding
     /// ([`ConstraintSet::rounding`](qless_constraints::ConstraintSet::rounding)). Default 4, at least 1.
     ///
-    /// If c no longer falls, the rounding of the largest terms of its connected part counts, with the weights of
-    /// [`NewtonIterate::residual`]. This holds for rows that demand a negligible motion only: `|c_r| <= 1e-11 sum_j |G_rj| s_j`, where
+    /// If c no longer falls, a row may instead be compared with the rounding of the largest terms of its connected part, with the weights
+    /// of [`NewtonIterate::residual`]. This holds only for a row that demands a negligible motion, `|c_r| <= 1e-11 sum_j |G_rj| s_j`, where
     /// `s_j` is the largest of `|u_j|`, the coordinates that DOF j displaces and, in rotation vectors, one radian.
     pub tolerance: f64,
     /// Largest number of steps of a part. Default 50.

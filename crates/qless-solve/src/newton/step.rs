@@ -1,9 +1,9 @@
 //! Step length along du: as far as a second-order model describes c and c gets smaller, for each part separately.
 //!
 //! At a trial point `u + t du` both c and G are known, so that the curvature along du needs no Hessian. With `g = G du` at the start and
-//! `g'` at the trial point, second order predicts `c' = c + t (g + g') / 2`; the difference to the actual c' is of third order. If it is
-//! not small compared with the second order, t is too long. This detects a crank that would turn by a million radians: g' grows with du,
-//! but c' does not.
+//! `g'` at the trial point, second order predicts `c' = c + t (g + g') / 2`. The difference to the actual c' is of third order. If it is
+//! not small compared with the first and second order, t is too long. This detects a crank that would turn by a million radians: g' grows
+//! with du, but c' does not.
 //!
 //! All parts try their lengths together, so that one evaluation serves all. Parts that have found their length keep it.
 
@@ -39,15 +39,16 @@ pub struct StepLine<'a> {
     pub du: Vec<f64>,
 }
 
-/// A step of length t is accepted only if the merit function falls by at least this fraction times t: almost any decrease that is clearly
-/// above rounding.
+/// A step of length t is accepted only if the merit function falls by at least this fraction times t. Almost any decrease that is clearly
+/// above rounding is enough.
 const DECREASE: f64 = 1e-4;
 
 /// How far each part moves along du.
 pub struct StepLengths {
     /// For each part, its step length t: it moves by t du. Parts with t = 0 do not move.
     pub lengths: Vec<f64>,
-    /// The fraction of the merit function that the step leaves: 0 if the kept equations then hold, 1 without a step.
+    /// For each part, the fraction of the merit function `sum_r D_r^2 c_r^2` that the step leaves: 0 if the kept equations then hold, 1
+    /// without a step.
     pub left: Vec<f64>,
 }
 
