@@ -124,7 +124,7 @@ fn reset_peak() -> Option<u64> {
     status("VmRSS:")
 }
 
-/// Peak bytes beyond those at the start.
+/// Peak of the resident bytes since the reset, minus the resident bytes `start` at that time.
 fn peak_since(start: Option<u64>) -> Option<u64> {
     Some(status("VmHWM:")?.saturating_sub(start?))
 }

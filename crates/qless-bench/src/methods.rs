@@ -18,9 +18,9 @@ pub enum Engine {
 pub struct BenchMethod {
     pub name: &'static str,
     pub engine: Engine,
-    /// True if it runs in a process of its own, where it can be stopped.
+    /// True if the method runs in a process of its own, where it can be stopped.
     pub is_apart: bool,
-    /// True if it stores all of C, including zeros.
+    /// True if the method stores all of C, including zeros.
     pub is_dense: bool,
 }
 

@@ -43,7 +43,7 @@ pub enum SceneError {
     Mesh {
         /// Index of the first wrong end.
         node: usize,
-        /// Position of this end.
+        /// Position of the first wrong end.
         found: f64,
     },
     /// The generated equations are not a valid system, for example because scaling overflowed.

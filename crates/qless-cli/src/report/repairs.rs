@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::wording::{change, printable};
 
-/// The repairs of conflicts that share numbers. Each repair is a list of changes that alone cures all these conflicts.
+/// The repairs of conflicts that share numbers. Each repair is a list of changes, which alone cures all these conflicts.
 #[derive(Serialize)]
 pub struct RepairWords {
     /// The conflicting rows, from 1. Each repair in `ways` cures all of them.

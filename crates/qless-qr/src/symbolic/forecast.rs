@@ -23,7 +23,7 @@ pub(crate) struct FrontShape {
     pub cols: usize,
     /// Number of rows of R from this front.
     pub rank: usize,
-    /// Number of entries of these rows of R.
+    /// Number of entries of the front's rows of R.
     pub entries: usize,
     /// Number of rows of the contribution to the parent; the next two fields are its numbers of columns and entries.
     pub passed_rows: usize,

@@ -92,7 +92,7 @@ struct ColumnCounter<'a> {
     parent: &'a [u32],
     first: Vec<u32>,
     delta: Vec<i64>,
-    /// For each column, the last leaf of the union of the tree paths to it.
+    /// For each column k, the last leaf that was added to the union of the tree paths to k.
     leaf: Vec<u32>,
     /// Union-find by path compression: processed nodes point to their first unprocessed ancestor.
     set: Vec<u32>,

@@ -73,7 +73,7 @@ impl DisplacementErrors {
         for of_forces in [false, true] {
             for (i, j, v) in entries(&model.a).filter(|&(i, j, v)| j < n && (i < n) == of_forces && v != 0.0) {
                 let term = terms[i] / v.abs();
-                // Terms of the force rows count only if those of the constraint rows are rounding as well.
+                // The terms of a DOF's force rows are used only if the terms of its constraint rows are rounding as well.
                 if is_zero[j] && term > self.rounding[j] && (!of_forces || sizes[j] <= self.rounding[j]) {
                     sizes[j] = sizes[j].max(term);
                 }
@@ -104,7 +104,7 @@ impl DisplacementErrors {
         })
     }
 
-    /// Absolute values of the DOFs; every DOF with a known unit gets the largest value of these DOFs.
+    /// Absolute values of the DOFs. All DOFs with a known unit get the largest value among them.
     fn levelled(&self, values: impl Iterator<Item = f64>) -> Vec<f64> {
         let pairs: Vec<_> = values.zip(&self.known).collect();
         let largest = pairs.iter().filter(|(_, known)| **known).fold(0.0, |most: f64, (v, _)| most.max(v.abs()));

@@ -43,10 +43,10 @@ pub enum EnforceError {
         row: usize,
         /// Label of the equation that may be redundant.
         label: String,
-        /// Residual of this equation if the others hold, relative to the terms of all of them.
+        /// Residual of equation `row` if the other equations hold, relative to the terms of all these equations.
         residual: f64,
     },
-    /// The plan does not contain each independent equation of this problem once.
+    /// The plan does not contain each independent equation of this problem exactly once.
     #[error("the plan has {planned} equations, but {kept} are independent, and each must occur once")]
     Plan {
         /// Number of equations in the plan.
@@ -96,7 +96,7 @@ pub enum EnforceError {
     OutOfBalance {
         /// Name of the row with the residual: the forces on a DOF, or the label of an equation.
         row: String,
-        /// Residual of this row, relative to its terms.
+        /// Residual of the row `row`, relative to its terms.
         imbalance: f64,
     },
     /// The springs are so soft that u misses the requested accuracy.

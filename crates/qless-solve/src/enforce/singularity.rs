@@ -32,9 +32,9 @@ const SUSPICIOUS: f64 = 0.01 / ROUNDING;
 
 /// Whether the model is supported.
 pub enum SupportVerdict {
-    /// The model is supported; g is the growth of rounding.
+    /// The model is supported. The number is the growth of rounding.
     Supported(f64),
-    /// This motion is free: the forces that resist it are at most this fraction of their terms.
+    /// A motion that is free, and the largest force that resists it, relative to its terms.
     Mechanism(Vec<f64>, f64),
 }
 

@@ -79,8 +79,8 @@ fn solve_part(part: &EnforcedPart) -> Result<(Refined, f64), EnforceError> {
     if accuracy < 1.0 { Ok((found, accuracy)) } else { Err(residual_error(part, &found)) }
 }
 
-/// Solves with penalties. Returns the solution and its relative error of u; if that exceeds the requested accuracy, an error with a
-/// sufficient factor.
+/// Solves with penalties. Returns the solution and its relative error of u. Fails if this error exceeds the requested accuracy; the failure
+/// names a sufficient factor, if one was found.
 fn penalised(
     part: &EnforcedPart,
     inverse: &mut SaddleInverse,

@@ -181,8 +181,8 @@ impl<M: Model> Corrector<'_, M> {
         EquilibriumError::NoConvergence { factor: 0.0, tried: self.end.factor, force, constraint }
     }
 
-    /// The parts that need a correction. A converged part is done if its redundant rows hold; if not, it gets the rows that are independent
-    /// here.
+    /// The parts that need a correction. A converged part is done if its redundant rows hold. If they do not, the part gets the rows that
+    /// are independent at the current configuration.
     fn unbalanced(&mut self) -> Result<Vec<usize>, EquilibriumError> {
         let (mut unbalanced, mut choice) = (Vec::new(), None);
         for part in self.iterating() {
@@ -202,14 +202,14 @@ impl<M: Model> Corrector<'_, M> {
         Ok(unbalanced)
     }
 
-    /// Whether redundant rows hold as well; rounding of the rows that they depend on is allowed.
+    /// Whether all redundant rows of a part hold; the rounding of the rows that they depend on is allowed.
     fn all_hold(&self, part: usize) -> bool {
         let (limit, rows) = (self.options.roundings, &self.all[part].rows);
         let holds = |r: usize| self.state.constraints[r] <= limit || self.state.follows(r, rows.certificate(r), limit);
         self.parts.list[part].rows.iter().all(|&r| rows.kept(r) || holds(r))
     }
 
-    /// Analyses the rows at the configuration that was evaluated last.
+    /// Analyses the rows of all parts at the configuration that was evaluated last.
     fn choose(&self) -> Result<std::sync::Arc<RowChoice>, EquilibriumError> {
         let before = self.all.iter().flat_map(|own| own.rows.list.iter().copied()).collect();
         let place = (self.set, self.parts);

@@ -175,7 +175,7 @@ pub enum EquilibriumError {
         column: usize,
         /// The value of K(row, column) in the model's stiffness.
         given: f64,
-        /// The same entry by differences of the force of DOF `row`.
+        /// K(row, column) by differences of the force of DOF `row`.
         difference: f64,
     },
     /// The saddle matrix cannot be factored, or memory is exhausted.

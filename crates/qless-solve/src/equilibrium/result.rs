@@ -14,8 +14,8 @@ pub struct EquilibriumIterate {
     /// falls, two other measures of c_r count if they are smaller: relative to the largest terms of the part, or by the forces that a
     /// motion removing c_r would change, relative to their rounding.
     pub constraint: f64,
-    /// Step length that led to this iterate: 1 for a full correction, 0 if only multipliers changed. This is the smallest of the connected
-    /// parts that moved; the other fields are the largest of all parts.
+    /// Step length that led to this iterate: 1 for a full correction, 0 if only multipliers changed. Of all connected parts that moved, the
+    /// smallest length counts; in the other fields, the largest number of all parts counts.
     pub length: f64,
     /// Whether the tangent of the last correction was singular and was regularised.
     pub regularised: bool,

@@ -29,7 +29,7 @@ pub struct Iteration<'a> {
     /// Redundant equations that do not hold although the kept equations of their part hold.
     contradicted: Vec<usize>,
     pub iterates: Vec<NewtonIterate>,
-    /// Parts that failed, ordered by their steps and then by their lowest DOFs.
+    /// Parts that failed, ordered by the step at which they failed and then by their lowest DOFs.
     pub failures: Vec<(usize, NewtonError)>,
 }
 
@@ -53,7 +53,7 @@ impl<'a> Iteration<'a> {
         let mut u = u.to_vec();
         prescribed.iter().for_each(|&(j, v)| u.iter_mut().skip(j).take(1).for_each(|u| *u = v));
         let argument = |source| NewtonError::Argument { step: 0, source };
-        // This check includes DOFs that no equation uses.
+        // The check covers all DOFs, also those that no equation uses.
         if let Some(place) = u.iter().position(|u| !u.is_finite()) {
             return Err(argument(ArgumentError::NotFinite { what: "u", place, value: u[place] }));
         }

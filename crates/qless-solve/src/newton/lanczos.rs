@@ -60,7 +60,7 @@ fn lowest_of_matrix(matrix: &Mat<f64>) -> Option<(f64, Vec<f64>)> {
     if matrix.nrows() == 0 {
         return None;
     }
-    // Eigenvalues are in ascending order.
+    // Eigenvalues are in ascending order, so the first one is the lowest.
     let eigen = matrix.self_adjoint_eigen(Side::Lower).ok()?;
     Some((eigen.S()[0], (0..matrix.nrows()).map(|j| eigen.U()[(j, 0)]).collect()))
 }

@@ -49,8 +49,8 @@ impl LowerRank<'_> {
         let rank = |of: &[bool]| parts.fold(0, |rank, r| *rank += usize::from(of[r]));
         let (full, lowest) = (rank(line.kept), rank(&self.independent(line, 0.25)?));
         open.retain(|&part| lowest[part] < full[part]);
-        // All parts share one series of e: powers of four. A part skips those below its residual, so that it tries the same ones as it
-        // would alone.
+        // All parts share one series of tolerances e: powers of four. A part skips those below its residual, so that it tries the same ones
+        // as it would alone.
         let first = open.iter().map(|&part| residual(part)).fold(1.0, f64::min);
         for e in (1..=(-0.5 * first.log2()) as i32).rev().map(|k| f64::from(-2 * k).exp2()) {
             if !open.iter().any(|&part| residual(part) <= e) {

@@ -24,7 +24,7 @@ const TRIES: u64 = 8;
 /// Whether an equation that is redundant at u is redundant at other configurations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Redundancy {
-    /// The equation is redundant in all configurations nearby, or there are no others: it can be removed.
+    /// The equation is redundant in all configurations nearby, or no other configuration exists: it can be removed.
     Everywhere,
     /// The equation is redundant in this configuration only, which is singular; it is needed elsewhere.
     OnlyHere,

@@ -32,7 +32,7 @@ pub fn second_order_directions(
     let part_of = |&j: &usize| parts.of_dof(j).filter(|&part| asked[part]);
     let part_of: Vec<_> = motions.reduction.masters().iter().map(part_of).collect();
     let numbers = KrylovParts { part_of, parts: count };
-    // The kept rows of these parts hold, so that g = 0 in `y_s = T y_q + g`: the curvature is linear in z.
+    // The kept rows of parts with contradicted rows hold, so that g = 0 in `y_s = T y_q + g`: the curvature is linear in z.
     let curvature = |z: &[f64]| motions.restrict(&times(now.evaluation.h(), &motions.expand(z)?));
     let (values, mut z) = lowest(curvature, &numbers)?;
     let rounding = now.rounding.c();
