@@ -161,6 +161,12 @@ fn a_card_loses_the_nodes_that_another_card_has() {
             "*NSET, NSET=QLESS1\n13,14\n*SURFACE, NAME=QLESS1, TYPE=NODE\nQLESS1\n*TIE, NAME=T2\n** some\nQLESS1,A\n",
         ),
         (
+            // The deck's own set has the name that would be given first, in small letters.
+            format!("{sets}*NSET, NSET=qless1\n11\n*TIE, NAME=T1\nEDGE,A\n{later_tie}"),
+            format!("{sets}{tie}"),
+            "*NSET, NSET=QLESSX1\n13,14\n*SURFACE, NAME=QLESSX1, TYPE=NODE\nQLESSX1\n*TIE, NAME=T2\n** some\nQLESSX1,A\n",
+        ),
+        (
             format!("{sets}{tie}*TIE, NAME=T2\nC,B\n{body}*RIGID BODY, NSET = MORE,REF NODE=30,ROT NODE=31\n"),
             format!("{sets}{tie}*TIE, NAME=T2\nC,B\n{body}*RIGID BODY,NSET=LESS,REF NODE=30,ROT NODE=31\n"),
             "*NSET, NSET=QLESS1\n25,26\n*RIGID BODY, NSET =QLESS1,REF NODE=30,ROT NODE=31\n",

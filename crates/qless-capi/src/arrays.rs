@@ -56,9 +56,8 @@ impl IndexBase {
 
     /// Converts an index of the caller to one that counts from 0.
     pub fn read<I: CIndex>(self, index: I, what: &str) -> Result<usize, CallFailure> {
-        let from_zero = index.wide() - self.0 as i64;
-        let below = || CallFailure::input(format!("{what} is {}; it counts from {}", index.wide(), self.0));
-        usize::try_from(from_zero).map_err(|_| below())
+        let from_zero = index.wide().checked_sub(self.0 as i64).and_then(|index| usize::try_from(index).ok());
+        from_zero.ok_or_else(|| CallFailure::input(format!("{what} is {}; it counts from {}", index.wide(), self.0)))
     }
 
     /// Converts the starts of compressed rows or columns, which ascend from the base.

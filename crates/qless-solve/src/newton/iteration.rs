@@ -6,7 +6,7 @@ use qless_constraints::{ConstraintSet, Evaluation, shorten_rotation};
 use super::configuration::{Configuration, at_rest, in_roundings};
 use super::error::NewtonError;
 use super::linearisation::{Motions, dependent, kept, linearise};
-use super::lower_rank::LowerRank;
+use super::lower_rank::{LowerRank, Searches};
 use super::parts::Parts;
 use super::singular::second_order_directions;
 use super::solution::{NewtonIterate, NewtonOptions};
@@ -26,6 +26,7 @@ pub struct Iteration<'a> {
     /// smaller.
     residuals: Vec<f64>,
     states: Vec<PartStatus>,
+    searches: Vec<Searches>,
     /// Redundant equations that do not hold although the kept equations of their part hold.
     contradicted: Vec<usize>,
     pub iterates: Vec<NewtonIterate>,
@@ -71,6 +72,7 @@ impl<'a> Iteration<'a> {
             now,
             buffer: set.allocate(),
             states,
+            searches: vec![Searches::default(); parts.list.len()],
             contradicted: Vec::new(),
             iterates: Vec::new(),
             failures: Vec::new(),
@@ -172,7 +174,7 @@ impl<'a> Iteration<'a> {
         let mut found = line.lengths(&goals, &mut self.buffer).map_err(argument)?;
         let (prescribed, options) = (self.prescribed, &self.options.analysis);
         let lower = LowerRank { prescribed, options, goals: &goals, step };
-        lower.improve(&mut line, &mut found, &mut self.buffer)?;
+        lower.improve(&mut line, &mut found, (&mut self.searches, &mut self.buffer))?;
         let lengths = found.lengths;
         if lengths.iter().all(|&length| length == 0.0) {
             motions?;

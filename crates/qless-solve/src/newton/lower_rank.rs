@@ -21,6 +21,22 @@ use crate::common::HALF_DIGITS;
 /// converge (Kantorovich's h is at most 1/2), a full step leaves at most h / 2 of c.
 const SLOW: f64 = 1.0 / 16.0;
 
+/// When a part may search for a step with a lower rank. After `k >= 2` failed searches in a row, the part takes `2^(k - 2)` steps without a
+/// search. So a part with many short steps, such as a long chain that falls into place, rarely searches in vain.
+#[derive(Clone, Default)]
+pub struct Searches {
+    failed: u32,
+    /// The first step at which the part may search again.
+    next: usize,
+}
+
+impl Searches {
+    fn end(&mut self, step: usize, found: bool) {
+        self.failed = if found { 0 } else { self.failed + 1 };
+        self.next = step + 1 + (1_usize << self.failed.min(30)) / 4;
+    }
+}
+
 /// Searches steps with a lower rank, which ignore rows that are nearly dependent.
 pub struct LowerRank<'a> {
     pub prescribed: &'a [(usize, f64)],
@@ -30,18 +46,20 @@ pub struct LowerRank<'a> {
 }
 
 impl LowerRank<'_> {
-    /// For each part whose step is shorter than the full one, tries steps with a lower rank and takes them if they leave less of the
-    /// constraint values c.
+    /// For each part whose step is shorter than the full one and whose next search is due, tries steps with a lower rank. The part takes the
+    /// new step if it leaves less of the constraint values c.
     pub fn improve(
         &self,
         line: &mut StepLine,
         best: &mut StepLengths,
-        buffer: &mut Evaluation,
+        (searches, buffer): (&mut [Searches], &mut Evaluation),
     ) -> Result<(), NewtonError> {
         // A relative residual below HALF_DIGITS counts as HALF_DIGITS, the least tolerance with which `linearise` analyses rows.
         let residual = |part: usize| line.from.residuals[part].max(HALF_DIGITS);
         let is_short = |part: &usize| self.goals[*part] == StepGoal::Downhill && best.lengths[*part] < 1.0;
-        let mut open: Vec<usize> = (0..self.goals.len()).filter(is_short).collect();
+        let searches_now = |part: &usize| is_short(part) && searches[*part].next <= self.step;
+        let mut open: Vec<usize> = (0..self.goals.len()).filter(searches_now).collect();
+        open.iter().for_each(|&part| searches[part].end(self.step, false));
         if open.is_empty() {
             return Ok(());
         }
@@ -62,7 +80,7 @@ impl LowerRank<'_> {
             let (tried, rest) = open.into_iter().partition::<Vec<usize>, _>(falls);
             open = rest;
             if !tried.is_empty() {
-                self.replace(line, best, (&rows, &tried), buffer)?;
+                self.replace(line, best, (&rows, &tried), (searches, buffer))?;
             }
         }
         Ok(())
@@ -86,7 +104,7 @@ impl LowerRank<'_> {
         line: &mut StepLine,
         best: &mut StepLengths,
         (rows, tried): (&[bool], &[usize]),
-        buffer: &mut Evaluation,
+        (searches, buffer): (&mut [Searches], &mut Evaluation),
     ) -> Result<(), NewtonError> {
         let Some(du) = self.step_of(line, rows)? else { return Ok(()) };
         let mut goals = vec![StepGoal::Done; self.goals.len()];
@@ -98,6 +116,7 @@ impl LowerRank<'_> {
         let is_better = |part: &usize| found.left[*part] < best.left[*part] && converges(*part);
         let better: Vec<usize> = tried.iter().copied().filter(is_better).collect();
         for part in better {
+            searches[part].end(self.step, true);
             (best.lengths[part], best.left[part]) = (found.lengths[part], found.left[part]);
             line.parts.list[part].free.iter().for_each(|&j| line.du[j] = other.du[j]);
         }

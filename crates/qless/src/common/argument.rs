@@ -66,6 +66,14 @@ pub enum ArgumentError {
         /// The number at this place.
         value: usize,
     },
+    /// A DOF of an element without its place in the pattern of K_q.
+    #[error(
+        "the pattern of K_q has no place for DOF {dof} of an element; give the DOFs that the pattern was made from"
+    )]
+    NotInPattern {
+        /// The DOF, from 0.
+        dof: usize,
+    },
     /// A result that belongs to another analysis or set.
     #[error("{what} belongs to another analysis or set; use the one that was made by this analysis or set")]
     Foreign {

@@ -219,7 +219,7 @@ impl CondensedPattern {
             for (r, l) in self.row_of_l(j).filter(|&(r, _)| self.is_stored(q, r)) {
                 let place = match index.get(next) {
                     Some(&found) if found == r => next,
-                    _ => index.binary_search(&r).map_err(|_| ArgumentError::Foreign { what: "an element" })?,
+                    _ => index.binary_search(&r).map_err(|_| ArgumentError::NotInPattern { dof: j })?,
                 };
                 values[place] += weight * v * l;
                 if !values[place].is_finite() {

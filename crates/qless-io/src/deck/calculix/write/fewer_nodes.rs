@@ -24,9 +24,10 @@ pub fn with_nodes(deck: &Deck, card: &str, left: &[u32], number: usize) -> Optio
     })
 }
 
-/// A name that occurs nowhere in the deck.
+/// A name that occurs nowhere in the deck, neither in capitals nor in small letters: CalculiX does not tell them apart.
 fn new_name(deck: &Deck, number: usize) -> String {
-    let is_known = |name: &String| deck.texts.iter().any(|text| memchr::memmem::find(text, name.as_bytes()).is_some());
+    let occurs = |text: &[u8], name: &[u8]| text.windows(name.len()).any(|part| part.eq_ignore_ascii_case(name));
+    let is_known = |name: &String| deck.texts.iter().any(|text| occurs(text, name.as_bytes()));
     let mut stems = (0..).map(|k: u32| "QLESS".to_owned() + &"X".repeat(k as usize));
     stems.find(|stem| !is_known(stem)).unwrap_or_default() + &number.to_string()
 }
