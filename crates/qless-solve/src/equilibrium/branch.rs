@@ -1,10 +1,11 @@
-//! Checks that a load step stays on its branch. DOFs that constraints and prescribed DOFs determine move along a curve, independently of
-//! the loads.
+//! Checks that a load step stays on its solution branch. Some DOFs are determined by the constraints and the prescribed DOFs alone: they
+//! move along a curve, whatever the loads are.
 //!
-//! Let G be the Jacobian at the start of a step, G' elsewhere, and x a vector on the determined DOFs. `P x = dx` is defined by
-//! `G dx = (G - G') x`. If `(1 - t) G x + t G' x = 0`, then `x = t P x`. While the spectral radius of P is below one, no matrix between G
-//! and G' is singular, as it would be where branches meet. If a linkage jumps to its mirror image, P has an eigenvalue above one, even if
-//! all constraints hold. A change of units is a similarity of P and does not change its eigenvalues. Each part has its own P.
+//! Let G be the constraint Jacobian at the start of a step, and G' elsewhere in the step, both on the determined DOFs. The matrix P maps x
+//! to dx with `G dx = (G - G') x`. If a matrix between G and G' is singular, `(1 - t) G x + t G' x = 0`, then `x = t P x`, so that P has
+//! the eigenvalue `1 / t`. While the spectral radius of P is below one, no such matrix is singular, as it would be where branches meet. If
+//! a linkage jumps to its mirror image, P has an eigenvalue above one, even if all constraints hold. A change of units is a similarity of P
+//! and does not change its eigenvalues. Each part has its own P.
 //!
 //! With functions of time, the end points of a step cannot reveal a full turn between them: [`check_jumps`] looks at times in between.
 

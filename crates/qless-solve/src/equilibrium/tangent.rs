@@ -7,9 +7,9 @@
 //! In equilibrium the tangent must resist every admissible motion by more than rounding. A bar without force, for example, has a transverse
 //! stiffness from the rounding of its strain.
 //!
-//! Let A be the scaled tangent, y the vector with the smallest `|A y|`, and A' the tangent after a change of u and lambda by their next
-//! correction, and of u in its last places. The support is rounding if `|A' y - A y| > |A y| / 10`: then not one digit of it is known.
-//! Cost: two evaluations.
+//! Let A be the scaled tangent, and y the vector with the smallest `|A y|`. Let A' be the tangent after a small change: u and lambda change
+//! by their next correction, and u also in its last places. The support is rounding if `|A' y - A y| > |A y| / 10`: then not one digit of
+//! it is known. Cost: two evaluations.
 
 use super::corrector::Corrector;
 use super::saddle::{SINGULAR, Saddle, SaddleEntries, largest, norm};

@@ -46,8 +46,8 @@ pub struct LowerRank<'a> {
 }
 
 impl LowerRank<'_> {
-    /// For each part whose step is shorter than the full one and whose next search is due, tries steps with a lower rank. The part takes the
-    /// new step if it leaves less of the constraint values c.
+    /// For each part whose step is shorter than the full one and whose next search is due, tries steps with a lower rank. The part takes
+    /// the new step if it leaves less of the constraint values c.
     pub fn improve(
         &self,
         line: &mut StepLine,
