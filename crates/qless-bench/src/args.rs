@@ -36,10 +36,10 @@ pub struct BenchArgs {
     /// Measures memory too: every method once more in a process of its own (Linux)
     #[arg(long)]
     pub memory: bool,
-    /// One method on the system of this size, for the program itself
+    /// Measures one method on the system of this size; `qless bench` runs itself with this option in child processes
     #[arg(long, hide = true, value_name = "SIZE")]
     pub child: Option<String>,
-    /// With --child: measures everything, not only memory
+    /// With --child: measures time and quality too, not only memory
     #[arg(long, hide = true, requires = "child")]
     pub apart: bool,
     /// No progress display

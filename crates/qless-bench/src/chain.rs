@@ -19,7 +19,7 @@ impl Chain {
         Self { free, factor }
     }
 
-    /// By DOF, true if it is free.
+    /// For each DOF, whether it is free.
     pub fn free(&self) -> &[bool] {
         &self.free
     }
@@ -38,7 +38,7 @@ impl Chain {
     }
 }
 
-/// `K u` on all DOFs.
+/// `K u` on all DOFs, where K is the stiffness of the chain.
 pub fn times(u: &[f64]) -> Vec<f64> {
     let n = u.len();
     let next = |j: usize| if j + 1 < n { u[j + 1] } else { 0.0 };

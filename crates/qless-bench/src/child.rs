@@ -30,7 +30,7 @@ pub fn measure(family: &str, size: &str, method: &BenchMethod, limit: f64) -> Re
     ask(family, size, method, limit, &["--apart"])
 }
 
-/// The memory of a method; `None` if it fails or exceeds the limit.
+/// Peak memory of a method in bytes; `None` if it fails or exceeds the time limit.
 pub fn memory(family: &str, size: &str, method: &BenchMethod, limit: f64) -> Option<u64> {
     ask::<Option<u64>>(family, size, method, limit, &[]).ok().flatten()
 }
@@ -49,7 +49,7 @@ fn ask<T: DeserializeOwned>(
     let mut child =
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::inherit()).spawn().map_err(failed)?;
     let measured = read(&mut child, limit);
-    // An error means that the child has already ended.
+    // `kill` fails only if the child has already ended.
     _ = child.kill();
     _ = child.wait();
     measured
@@ -124,7 +124,7 @@ fn reset_peak() -> Option<u64> {
     status("VmRSS:")
 }
 
-/// Peak bytes beyond those at the start.
+/// Peak of the resident bytes since the reset, minus the resident bytes `start` at that time.
 fn peak_since(start: Option<u64>) -> Option<u64> {
     Some(status("VmHWM:")?.saturating_sub(start?))
 }

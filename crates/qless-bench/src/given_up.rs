@@ -6,7 +6,7 @@ use qless::{AnalysisError, ReductionError};
 /// The reason why a method has no result.
 #[derive(Clone, Debug, PartialEq)]
 pub enum GivenUpReason {
-    /// The time predicted from a smaller system of the same family exceeds the limit; seconds.
+    /// The time predicted from a smaller system of the same family exceeds the limit. Both are in seconds.
     Foreseen { seconds: f64, limit: f64 },
     /// The method was stopped on a smaller system with this number of equations.
     Smaller { equations: usize, limit: f64 },

@@ -33,8 +33,8 @@ const OF_MULTIPLIERS: f64 = 1e-10;
 /// Relative residual at which conjugate gradients stop for the masters; nothing refines that solution.
 const OF_MASTERS: f64 = 1e-16;
 
-/// Solves `K du + C^T dl = left`, `C du = apart` for du and dl by `C K^-1 C^T dl = C K^-1 left - apart`. Prescribed DOFs have du = 0, and
-/// their equations of K are left out. The rows of C are scaled to length 1.
+/// Solves `K du + C^T dl = left`, `C du = apart` for du and dl: first `C K^-1 C^T dl = C K^-1 left - apart` by conjugate gradients, then
+/// du. Prescribed DOFs have du = 0, and their equations of K are left out. The rows of C are scaled to length 1.
 pub fn with_multipliers(
     k: &Chain,
     system: &ConstraintSystem,

@@ -12,7 +12,7 @@ use super::sample::{Measured, Sample};
 use super::systems::{BenchCase, Family};
 use crate::BenchArgs;
 
-/// A method that takes longer than this, or than a tenth of the limit, is measured only once; seconds.
+/// In seconds: a method that takes longer than this, or than a tenth of the limit, is measured only once.
 const SLOW: f64 = 5.0;
 
 /// Samples of a family; an error if a scene cannot be generated.

@@ -4,7 +4,8 @@ use qless::{BackendChoice, Effort, Options};
 
 /// The library and settings that do the work.
 pub enum Engine {
-    /// One sparse QR of `C^T` or of C, whichever is faster, without presolve, scaling or checks: the unit of time.
+    /// One sparse QR of `C^T` or of C, whichever is faster, without presolve, scaling or checks. Its time is the unit for the times of all
+    /// methods.
     BareQr,
     /// qless with these settings.
     Qless(Options),
@@ -17,9 +18,9 @@ pub enum Engine {
 pub struct BenchMethod {
     pub name: &'static str,
     pub engine: Engine,
-    /// True if it runs in a process of its own, where it can be stopped.
+    /// True if the method runs in a process of its own, where it can be stopped.
     pub is_apart: bool,
-    /// True if it stores all of C, including zeros.
+    /// True if the method stores all of C, including zeros.
     pub is_dense: bool,
 }
 

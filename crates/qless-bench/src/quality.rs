@@ -115,7 +115,7 @@ mod tests {
         let reference = Reference::new(&scene);
         assert_eq!(reference.rank, 8);
         assert_eq!(reference.rank_of((0..12).collect()), 8);
-        // Two rows of each of four triples; or all rows of two triples, and none of the others.
+        // Of four triples of rank 2, eight rows are kept: two rows of each triple have rank 8, but all rows of two triples have rank 4.
         assert_eq!(reference.rank_of(vec![0, 1, 3, 4, 6, 7, 9, 10]), 8);
         assert_eq!(reference.rank_of((0..6).collect()), 4);
     }

@@ -21,7 +21,8 @@ pub struct Done {
     pub analysis: Option<Analysis>,
 }
 
-/// A run shorter than `SLOW` seconds is repeated at least once, and until all its runs together take `WARM` seconds.
+/// A run shorter than `SLOW` seconds is repeated at least once, and until all its runs together take `WARM` seconds. At most `REPEATS`
+/// repetitions are made.
 const SLOW: f64 = 0.25;
 const WARM: f64 = 0.01;
 /// Largest number of repetitions of a run.

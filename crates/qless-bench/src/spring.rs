@@ -20,7 +20,7 @@ const MOST_DOFS: usize = 3_000;
 const MOST_ENTRIES: usize = 200_000;
 /// Limit for the steps of refinement.
 const STEPS: usize = 20;
-/// Refinement ends with a step of this relative size.
+/// Refinement ends after a step of at most this relative size.
 const SETTLED: f64 = 4.0 * f64::EPSILON;
 
 /// The loads f and the solution u*.

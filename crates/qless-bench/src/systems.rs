@@ -52,7 +52,7 @@ fn table_1() -> [Family; 2] {
     })
 }
 
-/// The same model on meshes coarser than the paper's.
+/// The coupled model of Table 1 on meshes that are coarser than the paper's.
 pub fn below_table_1(family: &'static str) -> Vec<BenchCase> {
     let case = |equations: usize| {
         let mesh = Mesh::with_equations(equations);

@@ -80,10 +80,11 @@ fn report(args: &CheckArgs, model: &ModelArgs) -> Result<(Vec<u8>, u8, Vec<Strin
     diagnosis.is_one_of_several = args.is_several();
     diagnosis.add_near_dependence();
     if let Some(file) = &args.output {
-        // The output must not replace a file that the deck includes either.
+        // The file must not replace a file that the deck includes. That it replaces no input file was checked before.
         drop(OneFile::at(file, diagnosis.inputs())?);
     }
-    // Making a plan takes time. Only reports for people say whether one exists, and a page only if the solver itself has trouble.
+    // A plan for `clean` takes time to make, so it is made only for reports that say whether one exists: text always, HTML if the deck
+    // needs cleaning.
     let is_planned = match args.report.format {
         ReportFormat::Text => true,
         ReportFormat::Html => diagnosis.deck.as_ref().is_some_and(DeckInput::needs_cleaning),

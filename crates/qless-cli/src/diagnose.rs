@@ -27,7 +27,7 @@ pub struct Diagnosis<'a> {
     pub deck: Option<DeckInput>,
     /// If the rank is ambiguous: the analysis in which nearly dependent equations count as dependent.
     pub near_dependence: Option<NearDependence>,
-    /// Whether the report names its input.
+    /// Whether the command has several inputs. The report then names its input.
     pub is_one_of_several: bool,
     pub start: Instant,
     pub read: Duration,
@@ -66,7 +66,7 @@ pub fn diagnose<'a>(
                 .map_err(|error| refused(error, Some(system)))
         })?;
     if let Some(deck) = deck.as_ref().filter(|_| !preferences.is_empty()) {
-        // The options of the diagnosis number rows as in the whole deck, even if a load case removes some equations.
+        // Reports that use these options number rows as in the whole deck, even if a load case leaves out some equations.
         let all = LoadCase::default();
         let model = deck.deck.model();
         let whole = model.system(&all).map_err(|error| CliFailure::from_deck(&deck.deck, &error))?;
@@ -152,7 +152,7 @@ impl Diagnosis<'_> {
 
     /// Adds the near-dependence, if the rank is ambiguous and memory allows it.
     pub fn add_near_dependence(&mut self) {
-        // A quick result is not checked, so the report does not name near-dependences either.
+        // The effort `quick` checks nothing, near-dependences neither.
         if self.analysis.confidence().ambiguous && self.options.effort != Effort::Quick {
             self.near_dependence = self.analysis.near_dependence().unwrap_or_default();
         }
@@ -177,7 +177,7 @@ impl Diagnosis<'_> {
     /// Returns the exit code, and writes to standard error what `--deny` has found.
     pub fn code(&self) -> u8 {
         let denied = self.denied();
-        // The first line of every report already says that equations are redundant, so that this alone needs no message.
+        // Redundant equations alone need no message, since the first line of every report already says that there are some.
         if !denied.is_empty() && self.report_args.deny.iter().any(|what| *what != Deny::Redundant) {
             say(format_args!("error: found what --deny names: {}", denied.join(", ")));
         }

@@ -1,7 +1,8 @@
 //! `qless diff`: compares the solutions of two sets of equations, and lists the equations in which the sets differ.
 //!
-//! The equations of both sets are analysed together, with prescribed values as equations and the equations of one set preferred. An equation
-//! of the other set follows from them if it is redundant then; it tells the sets apart if it is independent or conflicts.
+//! The equations of both sets are analysed together, with prescribed values as equations, and with a preference to keep the equations of
+//! one set. An equation of the other set follows from that set if it is redundant then. It tells the sets apart if it is independent or
+//! conflicts.
 
 use std::collections::{HashMap, HashSet};
 use std::process::ExitCode;
@@ -77,8 +78,8 @@ struct DiffSet {
 }
 
 impl DiffSet {
-    /// Lines about the set: that it conflicts, or a heading and the first equations that the other set does not imply; none if there are no
-    /// such equations.
+    /// Lines about the set: that its equations conflict; or a heading and the first equations that the other set does not imply. If the
+    /// other set implies all of them, there are no lines.
     fn lines(&self) -> Vec<String> {
         let name = printable::line(&self.file);
         if self.conflicting {
@@ -118,7 +119,7 @@ impl Relations {
         for &(dof, value) in system.prescribed() {
             all.prescribe(&labels[dof], value, system.prescribed_place(dof));
         }
-        // The system does not have the values of a deck on DOFs that occur in no equation.
+        // The system omits prescribed values on DOFs that occur in no equation. They are taken from the deck.
         if let Some(input) = &diagnosis.deck {
             let (model, known) = (input.deck.model(), labels.iter().collect::<HashSet<_>>());
             for given in &model.cases()[input.case].prescribed {

@@ -11,7 +11,7 @@ pub const RESOURCE: u8 = 3;
 /// The input has constraints that were not read.
 pub const INCOMPLETE: u8 = 4;
 
-/// The end of the help text.
+/// The list of exit codes at the end of the help text.
 pub const HELP: &str = "\
 Exit codes:
   0  solvable: independent, or redundant but consistent

@@ -68,7 +68,8 @@ fn parse() -> Cli {
     })
 }
 
-/// Replaces clap's advice to pass an unknown argument as a value: no value of this program begins with a dash, but some have spaces.
+/// Replaces clap's advice for an unknown argument, to pass it as a value after `--`: no value of this program begins with a dash. For a
+/// word without a dash, the advice is to quote values that have spaces.
 fn advise(error: &mut clap::Error) {
     if error.kind() != ErrorKind::UnknownArgument {
         return;

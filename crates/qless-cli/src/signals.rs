@@ -22,7 +22,7 @@ pub fn watch() -> io::Result<()> {
     threads::begin(Builder::new().name("signals".into()), move || {
         if let Some(signal) = signals.forever().next() {
             qless_io::write::abandon();
-            // This returns only if the signal cannot be raised.
+            // The call returns only if the signal cannot be raised.
             let _ = emulate_default_handler(signal);
             std::process::exit(128 + signal);
         }

@@ -31,7 +31,7 @@ pub fn show(report: &[u8]) -> Result<(), CliFailure> {
     stream(|out| out.write_all(report))
 }
 
-/// Writes printable text to standard output. It breaks at the width of a terminal, and nowhere else.
+/// Writes printable text to standard output. On a terminal, lines are broken at its width; a file or a pipe gets them unbroken.
 pub fn show_text(text: &[u8]) -> Result<(), CliFailure> {
     match terminal_size::terminal_size_of(io::stdout()) {
         Some((columns, _)) => show(wrap(&String::from_utf8_lossy(text), columns.0.into()).as_bytes()),
@@ -61,7 +61,7 @@ impl Progress {
         if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} ({elapsed})") {
             bar.set_style(style.tick_chars("-\\|/ "));
         }
-        // The display ticks in its own thread, and panics if the system gives no thread.
+        // The display runs in a thread of its own, and panics if it cannot start one. So a possible thread is checked for first.
         if !bar.is_hidden() && threads::is_one_more_possible() {
             bar.enable_steady_tick(Duration::from_millis(200));
         }

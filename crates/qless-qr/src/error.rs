@@ -17,7 +17,7 @@ pub enum Error {
     Start {
         /// Index of the first wrong start.
         at: usize,
-        /// The value of this start; `usize::MAX` for a negative number.
+        /// The value of the first wrong start; `usize::MAX` for a negative number.
         found: usize,
         /// Number of entries of the matrix.
         entries: usize,

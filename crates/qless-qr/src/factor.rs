@@ -204,9 +204,9 @@ impl Factor {
     /// Lower estimate of the condition number `|R1|_1 |R1^{-1}|_1`; 1 if the rank is 0, infinite if `R1^{-1}` overflows. R1 is the r x r
     /// triangle of R; with full column rank, it has the singular values of A.
     ///
-    /// The norm of the inverse comes from Hager's ascent over the corners of the unit ball with Higham's last guess (Hager
-    /// 1984; Higham 1988, Algorithm 4.1). It is seldom below a third of the true norm. Cost: two substitutions with R1 for
-    /// each step, and one for the last guess.
+    /// The norm of the inverse comes from Hager's ascent over the corners of the unit ball, and from one more vector by Higham (Hager 1984;
+    /// Higham 1988, Algorithm 4.1). The estimate is seldom below a third of the true norm. Cost: two substitutions with R1 for each step,
+    /// and one for Higham's vector.
     ///
     /// ```
     /// use qless_qr::{Options, Symbolic};

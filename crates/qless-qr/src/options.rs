@@ -4,12 +4,12 @@
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub enum Tolerance {
-    /// The limit is `20 (m + n) eps max_j |a_j|` with the 2-norms of the columns, as in SuiteSparseQR (Davis 2011, Sec. 2.4).
+    /// The norm may be at most `20 (m + n) eps max_j |a_j|` with the 2-norms of the columns, as in SuiteSparseQR (Davis 2011, Sec. 2.4).
     #[default]
     Relative,
-    /// The limit is this number times `max_j |a_j|`, the largest 2-norm of a column.
+    /// The norm may be at most this number times `max_j |a_j|`, the largest 2-norm of a column.
     Scaled(f64),
-    /// The limit is this number.
+    /// The norm may be at most this number.
     Absolute(f64),
 }
 

@@ -42,7 +42,7 @@ pub(crate) struct ReflectionBuffers {
     products: Vec<f64>,
 }
 
-/// Results of the elimination.
+/// Results of the elimination of one front.
 #[derive(Default)]
 pub(crate) struct Echelon {
     /// First column of each row of the echelon.
@@ -101,7 +101,7 @@ impl DenseFront<'_> {
         }
     }
 
-    /// Eliminates some columns, with which `values` begins, and updates the columns after them.
+    /// Eliminates the columns `columns`, with which `values` begins, and updates the columns after them.
     fn panel(&self, arch: Arch, columns: Range<usize>, values: &mut [f64], panel: &mut Panel, echelon: &mut Echelon) {
         panel.clear(echelon.lead.len(), columns.end.checked_sub(1).map_or(0, |last| self.stair[last] as usize));
         for (k, j) in columns.enumerate() {
@@ -142,7 +142,7 @@ impl DenseFront<'_> {
         panel.v.resize(base + panel.height, 0.0);
         let v = &mut panel.v[base + g - panel.top..];
         v[0] = 1.0;
-        // Divide: the reciprocal overflows for the smallest numbers.
+        // A division is needed here: the reciprocal of the smallest numbers overflows.
         v[1..].iter_mut().zip(&column[1..]).for_each(|(v, a)| *v = a / (alpha - beta));
         column[0] = beta;
         panel.tau.push((beta - alpha) / beta);

@@ -8,9 +8,9 @@ use crate::{Dof, Rng, Scene, SceneError, Truth};
 /// The order of rows and DOFs of a shuffled scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Order {
-    /// `rows[i]` is the original row of row i.
+    /// Row i of the shuffled scene is row `rows[i]` of the original scene.
     pub rows: Vec<usize>,
-    /// `dofs[j]` is the original DOF of DOF j.
+    /// DOF j of the shuffled scene is DOF `dofs[j]` of the original scene.
     pub dofs: Vec<usize>,
 }
 

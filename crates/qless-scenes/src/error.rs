@@ -43,7 +43,7 @@ pub enum SceneError {
     Mesh {
         /// Index of the first wrong end.
         node: usize,
-        /// Position of this end.
+        /// Position of the first wrong end.
         found: f64,
     },
     /// The generated equations are not a valid system, for example because scaling overflowed.
@@ -59,5 +59,5 @@ pub(crate) fn within(what: &'static str, found: usize, least: usize, most: usize
     if (least..=most).contains(&found) { Ok(()) } else { Err(SceneError::Size { what, found, least, most }) }
 }
 
-/// Larger sizes are refused as mistakes.
+/// Largest size of a scene. Larger numbers are refused as mistakes.
 pub(crate) const MOST: usize = 1 << 27;

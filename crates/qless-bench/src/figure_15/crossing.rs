@@ -23,7 +23,7 @@ impl Pair {
     }
 }
 
-/// A crossing after the k-th pair: equations and seconds, interpolated linearly in logarithms.
+/// A crossing between the pair with the index `after` and the next one: equations and seconds, interpolated linearly in logarithms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
     pub after: usize,
@@ -82,7 +82,7 @@ pub fn sentence(pairs: &[Pair]) -> Option<String> {
     ))
 }
 
-/// Rounds to hundreds; two levels do not determine the crossing more accurately.
+/// Rounds to hundreds, since the measured levels do not determine a crossing more accurately.
 fn rounded(equations: f64) -> String {
     thousands((equations / 100.0).round() as usize * 100)
 }

@@ -130,7 +130,8 @@ fn panel(area: &Area, levels: &[FigureLevel], family: &str) -> Result<(), Box<dy
     Ok(())
 }
 
-/// Height in pixels from the top of the label of a line that ends at `height`: beside the end, or directly below the previous label.
+/// The height of the top of a label, in pixels: beside the end of its line, which is at `height`, or else directly below the label at
+/// `above`.
 pub fn below(height: i32, above: i32) -> i32 {
     (height - 6).max(above + LETTERS)
 }

@@ -96,7 +96,7 @@ fn places(svg: &str, label: &str) -> Vec<(f64, f64)> {
 
 #[test]
 fn the_plot_names_every_line_once_and_no_two_labels_meet() {
-    // All lines of a coupling end within a few pixels.
+    // With this ratio, the lines of a coupling end within a few pixels of each other, so that their labels have to be moved.
     let levels = levels(1.01);
     let (name, svg) = plots(&levels).expect("drawn").expect("data");
     assert_eq!((name, plots(&[]).expect("nothing to draw")), ("figure-15.svg", None));

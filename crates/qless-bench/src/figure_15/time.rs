@@ -15,9 +15,9 @@ use crate::BenchArgs;
 /// The tolerance of the paper, section 3.2: absolute.
 const TOLERANCE: f64 = 1e-5;
 
-/// A factorization that takes longer than this is measured once; seconds.
+/// In seconds: a factorization that takes longer than this is measured once.
 const SLOW: f64 = 5.0;
-/// A factorization that takes less than this is measured at least [`REPEATS`] times; seconds.
+/// In seconds: a factorization that takes less than this is measured at least [`REPEATS`] times.
 const SHORT: f64 = 0.1;
 const REPEATS: usize = 15;
 

@@ -147,7 +147,7 @@ fn read(out: &RawFactor, n: usize) -> SparseFactor {
 /// # Safety
 /// `data` points to `len` values that live and do not change for 'a.
 unsafe fn part<'a, T>(data: *const T, len: usize) -> &'a [T] {
-    // SAFETY: as the caller promises.
+    // SAFETY: the caller guarantees it, as `# Safety` requires.
     if len == 0 { &[] } else { unsafe { slice::from_raw_parts(data, len) } }
 }
 

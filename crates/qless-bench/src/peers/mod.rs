@@ -17,6 +17,6 @@ pub use lapack::Lapack;
 pub enum Rule {
     /// The library's own rule. LAPACK has none and gets the usual `max(m, n) eps |R_11|`.
     Own,
-    /// The tolerance of the call, absolute.
+    /// The absolute tolerance that the caller passes.
     Call,
 }

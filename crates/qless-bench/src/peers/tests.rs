@@ -27,7 +27,7 @@ fn scenes() -> Vec<(&'static str, Scene)> {
     ]
 }
 
-/// The columns of the free DOFs of C: row j of the result is the j-th of them.
+/// The columns of C for its free DOFs: row j of the result is the j-th of these columns.
 fn free_columns(system: &ConstraintSystem) -> Csr {
     let all = system.matrix().transpose().expect("it fits");
     let mut free = Csr::empty(system.equations());

@@ -14,8 +14,8 @@ use crate::failure::CliFailure;
 pub struct CaseAnalysis {
     pub system: ConstraintSystem,
     pub analysis: Analysis,
-    /// The time history whose values alone conflict, if the values of all histories together do not. The system then has the values of this
-    /// history only.
+    /// The time history (such as an amplitude) whose prescribed values alone conflict, if the values of all histories together do not.
+    /// `system` then has the values of this history only.
     history: Option<u32>,
 }
 

@@ -28,7 +28,7 @@ pub enum ChoiceError {
 }
 
 impl LoadCaseChoice {
-    /// The load cases that `--case text` names; `default` for `all` and without the option.
+    /// The load cases that the option `--case` names with `text`. Without the option, and for `all`, these are `default`.
     pub fn new(text: Option<&str>, default: Self) -> Self {
         match text {
             None => default,

@@ -14,11 +14,11 @@ pub struct Claims {
     pub implied: Vec<DroppedClaim>,
     /// Claims that the solver drops, and that do not follow from what it keeps.
     pub lost: Vec<DroppedClaim>,
-    /// A DOF for each motion that comes free with the lost claims.
+    /// For each motion that the lost claims would prevent, one DOF that moves.
     pub freed: Vec<String>,
     /// Claims with which the solver may continue, but with unreliable results.
     pub unsound: Vec<String>,
-    /// Pairs of claims that both hold.
+    /// Pairs of claims on one DOF that the solver accepts.
     pub accepted: Vec<String>,
 }
 
@@ -98,7 +98,7 @@ impl DroppedClaim {
 }
 
 fn add<T: Clone + PartialEq>(all: &mut Vec<T>, more: &[T]) {
-    // Load cases usually have the same claims, so that the search for new ones can be skipped.
+    // Load cases usually have the same claims. Equal lists are found by one comparison, without a search for each item.
     if all.is_empty() {
         all.extend_from_slice(more);
     } else if all.as_slice() != more {

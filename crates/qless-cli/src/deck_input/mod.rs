@@ -93,7 +93,7 @@ impl DeckInput {
         claims
     }
 
-    /// Whether the rank of a load case is ambiguous.
+    /// Whether the rank is ambiguous in any load case.
     pub fn is_ambiguous(&self) -> bool {
         self.results.iter().any(|result| result.is_ambiguous)
     }
@@ -104,7 +104,7 @@ impl DeckInput {
         !claims.refused.is_empty() || !claims.lost.is_empty() || !claims.unsound.is_empty()
     }
 
-    /// Number of claims that the solver loses in any load case; 0 if it does not run the deck at all.
+    /// Number of claims that the solver loses in any load case; 0 if the solver refuses the deck.
     pub fn lost(&self) -> usize {
         if self.results.iter().any(|result| !result.claims.refused.is_empty()) {
             return 0;

@@ -18,8 +18,8 @@ pub struct Reaction {
 }
 
 impl DeckInput {
-    /// The faults of the load case that is shown, each with what the solver does: it accepts the fault, drops a claim, stops, or may be
-    /// wrong.
+    /// The faults of the load case that is shown, each with the reaction of the solver: it accepts the fault, drops a claim, stops, or may
+    /// compute wrong results.
     pub fn reactions(&self, options: &Options) -> Vec<Reaction> {
         let (model, solver) = (self.deck.model(), self.deck.solver());
         let case = &model.cases()[self.case];

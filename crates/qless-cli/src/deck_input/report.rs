@@ -30,7 +30,7 @@ struct CaseReport<'a> {
     status: Status,
     rank: usize,
     counts: Counts,
-    /// Name of the first load case with the same constraints, if it is not this one.
+    /// Name of the first load case that has the same constraints as this one; none if this one is the first.
     #[serde(skip_serializing_if = "Option::is_none")]
     same_as: Option<&'a str>,
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -9,7 +9,7 @@ use crate::wording::count;
 use crate::wording::layout::LayoutSection;
 
 impl DeckInput {
-    /// The sections, the most important one first.
+    /// The sections of the report, the most important one first.
     pub fn sections(&self, analysis: &Analysis) -> Vec<LayoutSection> {
         let (solver, shown) = (self.deck.solver(), self.shown());
         let words = |claims: &[DroppedClaim]| claims.iter().map(DroppedClaim::words).collect();

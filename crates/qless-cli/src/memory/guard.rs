@@ -45,7 +45,8 @@ static READINGS: AtomicUsize = AtomicUsize::new(0);
 static IDLE: AtomicUsize = AtomicUsize::new(0);
 
 thread_local! {
-    /// Bytes that this thread has not yet added to the shared counts: allocated minus freed, and allocated.
+    /// Two numbers that this thread has not yet added to the shared counts: the bytes that it allocated minus those that it freed, and the
+    /// bytes that it allocated.
     static OWN: Cell<(isize, usize)> = const { Cell::new((0, 0)) };
 }
 
@@ -76,7 +77,7 @@ fn allocated() -> usize {
     BASE.load(Relaxed).saturating_add_signed(LIVE.load(Relaxed))
 }
 
-/// Counts `bytes`; false if they exceed the limit.
+/// Counts `bytes` as allocated; returns false if they exceed the limit.
 fn reserve_bytes(bytes: usize) -> bool {
     let limit = LIMIT.load(Relaxed);
     if limit == usize::MAX {
@@ -89,7 +90,7 @@ fn reserve_bytes(bytes: usize) -> bool {
         return true;
     }
     OWN.set((0, 0));
-    // `LIVE` gets the new bytes only at the end: the checks below add them themselves.
+    // Until the checks below have passed, `LIVE` does not include the new `bytes`: the checks add them to the bytes in use.
     LIVE.fetch_add(net - bytes as isize, Relaxed);
     if update_idle(handed, limit) || held().saturating_add(bytes) > limit {
         let fits = || in_use().saturating_add(bytes) <= limit;
@@ -160,7 +161,7 @@ fn allocate_within_limit(bytes: usize, layout: Layout, allocate: impl FnOnce() -
     block
 }
 
-/// Returns `block`; if it is null while this thread creates, places or removes files, a block of the reserve.
+/// Returns `block`, or a block of the reserve if `block` is null and this thread creates, places or removes files.
 fn or_reserve(block: *mut u8, layout: Layout) -> *mut u8 {
     if block.is_null() && qless_io::write::is_at_work() { reserve::take(layout) } else { block }
 }
@@ -169,18 +170,18 @@ fn or_reserve(block: *mut u8, layout: Layout) -> *mut u8 {
 // does not allocate.
 unsafe impl GlobalAlloc for Guard {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        // SAFETY: the caller's promises are passed on.
+        // SAFETY: `System` requires the same as this function, and the caller of this function satisfies it.
         or_reserve(allocate_within_limit(layout.size(), layout, || unsafe { System.alloc(layout) }), layout)
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
-        // SAFETY: the caller's promises are passed on.
+        // SAFETY: `System` requires the same as this function, and the caller of this function satisfies it.
         or_reserve(allocate_within_limit(layout.size(), layout, || unsafe { System.alloc_zeroed(layout) }), layout)
     }
 
     unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
         if !reserve::owns(block) {
-            // SAFETY: the caller's promises are passed on.
+            // SAFETY: the block comes from `System`, which requires the same as this function.
             unsafe { System.dealloc(block, layout) };
             release_bytes(counted(layout.size(), layout));
         }
@@ -191,14 +192,14 @@ unsafe impl GlobalAlloc for Guard {
             std::ptr::null_mut()
         } else {
             let more = size.saturating_sub(layout.size());
-            // SAFETY: the caller's promises are passed on.
+            // SAFETY: the block comes from `System`, which requires the same as this function.
             allocate_within_limit(more, layout, || unsafe { System.realloc(block, layout, size) })
         };
         if !moved.is_null() {
             release_bytes(counted(layout.size().saturating_sub(size), layout));
             return moved;
         }
-        // SAFETY: the caller promises that a layout may have this size. The two blocks do not overlap, and both are long enough.
+        // SAFETY: by the contract of `realloc`, a layout may have this size. The two blocks do not overlap, and both are long enough.
         unsafe {
             let wanted = Layout::from_size_align_unchecked(size, layout.align());
             let moved = if reserve::owns(block) { self.alloc(wanted) } else { or_reserve(moved, wanted) };

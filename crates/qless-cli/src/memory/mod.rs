@@ -3,8 +3,8 @@
 //! There are three lines of defence, from early to late:
 //!
 //! 1. **Predicted needs are checked first.** [`limit`] refuses a limit that is too small for the program itself. The memory that remains
-//!    after reading the input ([`remaining`]) becomes [`qless::Options::memory`]: each factorization compares its predicted size with it, or
-//!    checks its size while it fills in, and returns an error with both numbers.
+//!    after reading the input ([`remaining`]) becomes [`qless::Options::memory`]: each factorization compares its predicted size with this
+//!    limit, or checks its size while it fills in, and returns an error with both numbers.
 //! 2. **Every allocation is checked.** Rust allocates through [`Guard`], which enforces `--memory`; the system enforces `ulimit -v`. In
 //!    both cases the caller gets null, and [`refusal`] records the needed and the allowed bytes. Code that can continue
 //!    (`try_reserve`) returns an error, and [`crate::failure`] adds the numbers.
@@ -57,7 +57,7 @@ pub fn limit(bytes: usize) -> Result<(), String> {
     Ok(())
 }
 
-/// The largest refusal in this process; if none was recorded, the system's current numbers.
+/// The largest refused allocation in this process; if none was recorded, the system's current numbers.
 pub fn refusal() -> Refusal {
     refusal::largest().unwrap_or_else(|| Refusal::of_system(0))
 }

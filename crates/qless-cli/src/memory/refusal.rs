@@ -14,7 +14,7 @@ pub enum By {
     Option,
     /// `ulimit -v`, which counts address space.
     AddressSpace,
-    /// The system, without a known limit.
+    /// The system, for a limit that is not known.
     System,
 }
 

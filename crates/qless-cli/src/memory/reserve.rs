@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 const SIZE: usize = 512 << 10;
 const ALIGN: usize = 16;
 
-/// Pages that are never touched take no memory.
+/// The bytes of the reserve. Pages that are never touched take no memory.
 #[repr(align(16))]
 struct Room(UnsafeCell<[u8; SIZE]>);
 

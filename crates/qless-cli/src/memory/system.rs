@@ -15,7 +15,7 @@ pub fn address_space() -> usize {
     pages(0) * page()
 }
 
-/// A number of `/proc/self/statm`, in pages.
+/// The number at the index `place` of `/proc/self/statm`, which counts pages; 0 if it cannot be read.
 fn pages(place: usize) -> usize {
     let mut text = [0; 128];
     let count = File::open("/proc/self/statm").and_then(|mut file| file.read(&mut text)).unwrap_or(0);

@@ -12,10 +12,11 @@ use super::system;
 /// Bytes of a thread's stack.
 const STACK: usize = 2 << 20;
 
-/// Bytes that a thread may take beside its stack when it begins: its alternative stack, at most 16 KiB, and one growth of the heap, 132 KiB.
+/// Bytes that a thread may take beside its stack when it begins: its alternative stack for signals (at most 16 KiB) and one growth of the
+/// heap (132 KiB).
 const BESIDE_STACK: usize = 256 << 10;
 
-/// Stacks may take one part in this many of the address space.
+/// Stacks may take at most one part in this many of the address space.
 const STACKS: usize = 8;
 
 /// Whether [`start`] was called before.

@@ -58,7 +58,7 @@ pub fn find(text: &str, system: &ConstraintSystem, deck: Option<(&Deck, &LoadCas
     }
     let names = NameIndex::new(system, deck);
     let words = WordList(vec![ListWord::Name(text.trim().to_owned())]);
-    // `5:3` is a DOF; `line 41` is its equations, or its prescribed values if there are none.
+    // `5:3` means a DOF. `line 41` means the equations on this line; if there are none, the prescribed values and loads on it.
     let is_dof = text.split_once(':').is_some_and(|(node, _)| node.trim().parse::<u32>().is_ok());
     let equations = if is_dof { Ok(Vec::new()) } else { names.all("WHAT", &words, Wanted::Equations) };
     match equations {

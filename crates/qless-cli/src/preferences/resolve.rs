@@ -136,7 +136,7 @@ fn at_line(model: &Model, case: &LoadCase, line: &ListedDeckLine, wanted: Wanted
             of_equations.chain(columns).map(|j| j as usize).collect()
         }
     };
-    // A line whose equations are not in force in this load case is no error.
+    // A line with equations is known, even if none of them is in force in this load case; then the list is empty.
     let is_known =
         !found.is_empty() || (0..model.equations()).filter_map(|i| model.equation(i)).any(|e| is_on_line(e.origin));
     if is_known { Ok(found) } else { Err(nearest_line(model, line)) }
@@ -170,7 +170,7 @@ const COMPARED: usize = 200_000;
 /// Smallest similarity of a suggested name, from 0 to 1.
 const ALIKE: f64 = 0.5;
 
-/// The name that is most similar to `word`, ignoring case.
+/// The name in `known` that is most similar to `word`, ignoring case; none if no name is similar enough.
 fn nearest(word: &str, known: impl Iterator<Item = String>) -> Option<String> {
     let word = word.to_lowercase();
     let alike = |name: String| (normalized_damerau_levenshtein(&word, &name.to_lowercase()), name);

@@ -51,7 +51,7 @@ pub fn run(ranks: &dyn Ranks, args: &CheckArgs) -> Result<ExitCode, CliFailure> 
     };
     all(ranks, written)?;
     let counts = analysis.counts();
-    // A matrix or a case has no cards and no solver, so that the other findings cannot occur.
+    // The other findings concern cards and solvers, which a matrix or a case folder does not have.
     let denied = args.report.deny.iter().any(|deny| match deny {
         Deny::Redundant => counts.redundant > 0,
         Deny::Ambiguous => analysis.confidence().ambiguous,

@@ -49,7 +49,7 @@ impl Job {
         if self.rank == 0 { failure.tell() } else { ExitCode::from(failure.code()) }
     }
 
-    /// Refuses to run without MPI: all processes would write the same files.
+    /// Fails: without MPI, all processes would write the same files.
     #[cfg(not(feature = "mpi"))]
     pub fn run(self) -> ExitCode {
         if self.rank > 0 {

@@ -6,24 +6,24 @@ use serde::Serialize;
 
 use crate::wording::{change, printable};
 
-/// Ways to cure conflicts that have numbers in common.
+/// The repairs of conflicts that share numbers. Each repair is a list of changes, which alone cures all these conflicts.
 #[derive(Serialize)]
 pub struct RepairWords {
-    /// The conflicting rows, from 1. Each of `ways` alone cures all of them.
+    /// The conflicting rows, from 1. Each repair in `ways` cures all of them.
     pub rows: Vec<usize>,
-    /// The ways, the most plausible one first.
+    /// The repairs in words, the most plausible one first.
     pub ways: Vec<String>,
-    /// Number of ways that are not listed, and were not verified.
+    /// Number of further repairs, which are not listed and were not verified.
     pub more: usize,
 }
 
 impl RepairWords {
-    /// The repairs of a report, as far as ways are known.
+    /// The repairs of all conflicts in a report for which a repair is known.
     pub fn all(report: &Report) -> Vec<Self> {
         report.repairs.iter().filter_map(Self::new).collect()
     }
 
-    /// The repair in words; `None` if no way is known.
+    /// The repairs of one group of conflicts in words; `None` if no repair is known.
     pub fn new(repair: &RepairFinding) -> Option<Self> {
         let of_way = |way: &Vec<ChangeFinding>| {
             let changes: Vec<String> = way.iter().map(|one| change(one, printable::line)).collect();
@@ -34,7 +34,7 @@ impl RepairWords {
         (!ways.is_empty()).then(|| Self { rows: repair.conflicts.clone(), more, ways })
     }
 
-    /// The first way in words, and the number of others: `cure: change 4:1 from 0.5 to 0 (4 other ways cure too)`.
+    /// The first repair in words, and the number of others: `cure: change 4:1 from 0.5 to 0 (4 other ways cure too)`.
     pub fn short(&self) -> String {
         let others = match self.ways.len() - 1 {
             0 => String::new(),
@@ -44,7 +44,7 @@ impl RepairWords {
         format!("cure: {}{others}", self.ways[0])
     }
 
-    /// The heading of the ways that cure `row`: `Each of these 5 ways cures it, and rows 52, 79:`.
+    /// The heading above the repairs of `row`: `Each of these 5 ways cures it, and rows 52, 79:`.
     pub fn heading(&self, row: usize) -> String {
         /// Largest number of rows that are named.
         const NAMED: usize = 12;

@@ -17,7 +17,7 @@ const COUNTS: [&str; 5] = ["slaves", "masters", "prescribed", "redundant", "conf
 
 type VtuCounts = [i32; COUNTS.len()];
 
-/// Renders the file with the slaves of `reduction`, or of a new one.
+/// Renders the file. It shows the slaves of `reduction`, or without one those of a new reduction.
 pub fn render(diagnosis: &Diagnosis, reduction: Option<&Reduction>) -> Result<Vec<u8>, CliFailure> {
     let input = diagnosis.args.input.display();
     let Some(deck) = &diagnosis.deck else {

@@ -148,7 +148,8 @@ pub fn section_lines(sections: &[LayoutSection], most: usize) -> Vec<String> {
     let mut lines = Vec::new();
     for section in sections {
         let more = spare.min(section.wanted() - 1);
-        // One line more would hold only "and 7", but the heading already has the count.
+        // A single line under the heading would show no item, only how many there are. The heading alone, without that line, has the same
+        // number.
         let more = if more == 1 && section.items.len() > 1 { 0 } else { more };
         spare -= more;
         lines.extend(section.lines(1 + more));

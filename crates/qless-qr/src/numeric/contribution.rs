@@ -5,7 +5,7 @@ use crate::reflections::Reflections;
 /// The rows that a front passes to its parent.
 #[derive(Default)]
 pub(crate) struct Contribution {
-    /// Columns of these rows as positions in the column order, ascending.
+    /// Columns of the passed rows as positions in the column order, ascending.
     pub columns: Vec<u32>,
     /// For each row the index of its first column in `columns`; ascending from 0.
     pub lead: Vec<u32>,

@@ -41,7 +41,8 @@ impl Symbolic {
         let result = if (0..self.peeled).map(diagonal).all(is_live) {
             run(self, &numbers, limit)
         } else {
-            // A peeled column is dependent by its value: analyse again and peel only entries above the tolerance.
+            // The value of a peeled column is so small that the column is dependent. So analyse again, and peel only entries above the
+            // tolerance.
             run(&crate::symbolic::analyse(self.rows, &self.columns(), &is_live)?, &numbers, limit)
         };
         result.map(|(factor, _)| factor)

@@ -18,7 +18,7 @@ pub(super) fn collect(
 ) -> Result<Factor, Error> {
     let place = places(symbolic, &outs);
     let rank = symbolic.peeled + outs.iter().map(|out| out.rank).sum::<usize>();
-    // This count includes zeros, which are not stored; the memory reserved for them is never touched.
+    // The count includes zeros, although they are not stored. The memory reserved for them is never touched, so it costs nothing.
     let packed: usize =
         outs.iter().map(|out| out.values.len() - out.rank * numbers.count - out.rest(numbers.count).len()).sum();
     let entries = symbolic.pattern.start[symbolic.peeled] + packed;

@@ -23,13 +23,13 @@ pub(crate) struct FrontShape {
     pub cols: usize,
     /// Number of rows of R from this front.
     pub rank: usize,
-    /// Number of entries of these rows of R.
+    /// Number of entries of the front's rows of R.
     pub entries: usize,
-    /// Numbers of rows, columns and entries of the contribution to the parent.
+    /// Number of rows of the contribution to the parent; the next two fields are its numbers of columns and entries.
     pub passed_rows: usize,
     pub passed_cols: usize,
     pub passed_entries: usize,
-    /// Number of reflections and total length of their vectors.
+    /// Number of reflections; the next field is the total length of their vectors.
     pub reflections: usize,
     pub vector_entries: usize,
 }

@@ -3,10 +3,10 @@
 //! `parent(j) = min {i > j: r_ji != 0}`. Each row of S links its columns to a path, in the order of elimination; path
 //! compression finds the current root of a column's tree (Liu 1990; Gilbert, Li, Ng, Peyton 2001).
 //!
-//! `c_j = |{k >= j: r_jk != 0}|` takes almost linear time (Gilbert, Ng, Peyton 1994). A row i of S with first column f_i
-//! causes the same fill as the edges `(f_i, k)` for all k in row i. So column k of R is the union of the tree paths from
-//! those f_i to k, and c_j counts the columns k whose union contains j. To count them, add 1 at each leaf of a union,
-//! subtract 1 where two paths meet and 1 at the parent of k, and sum up the tree. Nodes are numbered in postorder.
+//! The numbers of entries, `c_j = |{k >= j: r_jk != 0}|`, take almost linear time (Gilbert, Ng, Peyton 1994). A row i of S with first
+//! column f_i causes the same fill as the edges `(f_i, k)` for all k in row i. So column k of R is the union of the tree paths from those
+//! f_i to k, and c_j counts the columns k whose union contains j. To count them, add 1 at each leaf of a union, subtract 1 where two paths
+//! meet and 1 at the parent of k, and sum up the tree. Nodes are numbered in postorder.
 
 use crate::lists::{Lists, NONE};
 
@@ -92,7 +92,7 @@ struct ColumnCounter<'a> {
     parent: &'a [u32],
     first: Vec<u32>,
     delta: Vec<i64>,
-    /// For each column, the last leaf of the union of the tree paths to it.
+    /// For each column k, the last leaf that was added to the union of the tree paths to k.
     leaf: Vec<u32>,
     /// Union-find by path compression: processed nodes point to their first unprocessed ancestor.
     set: Vec<u32>,

@@ -98,7 +98,7 @@ fn three_equations(rhs: f64) -> SystemBuilder {
     builder
 }
 
-/// The names u1, u2, ... of this many DOFs.
+/// The names u1, u2, ... of `count` DOFs.
 fn names(count: usize) -> Vec<String> {
     (1..=count).map(|j| format!("u{j}")).collect()
 }

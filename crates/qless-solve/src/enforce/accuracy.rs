@@ -1,9 +1,9 @@
 //! Relative errors of u, in dimensionless numbers. Each DOF is compared with a reference:
 //!
 //! ```text
-//! known unit        the largest of these DOFs, or the largest displacement that a load would cause on the stiffness of its DOF
+//! known unit        the largest of all these DOFs, or the largest displacement that a load would cause on the stiffness of its DOF
 //! no known unit     the DOF itself
-//! rounding only     the terms of its equations, max_r (|C| |u| + |b|)_r / |C_rj|; if they are rounding as well, those of its forces
+//! rounding only     the terms of the DOF's equations, max_r (|C| |u| + |b|)_r / |C_rj|; if they are rounding too, those of its forces
 //! ```
 //!
 //! Random errors of the terms estimate the rounding y of a solution x; e is their relative size, and M^-1 the computed inverse:
@@ -21,8 +21,8 @@ use super::matrix::entries;
 use super::part::EnforcedPart;
 use crate::common::{ENTRY_ROUNDING, RandomForces};
 
-/// Number of random solves if a DOF has no known unit. The largest of so many random errors of a DOF is seldom far below the largest
-/// possible error.
+/// Number of random solves if a DOF has no known unit. The largest of four random errors of a DOF is seldom far below its largest possible
+/// error.
 const TRIALS: usize = 4;
 
 /// Estimated rounding errors of the DOFs of one solution, and the references that these errors are compared with.
@@ -65,15 +65,15 @@ impl DisplacementErrors {
         Some(errors)
     }
 
-    /// The reference of each DOF: its size. A size that is only rounding is replaced by the terms of the DOF's rows, divided by its
-    /// coefficient there.
+    /// The reference of each DOF is its own size. If that is only rounding, the largest term of the DOF's rows is taken instead, divided by
+    /// the DOF's coefficient in that row.
     fn referenced(&self, mut sizes: Vec<f64>, model: &Equations, terms: &[f64]) -> Vec<f64> {
         let n = sizes.len();
         let is_zero: Vec<bool> = sizes.iter().zip(&self.rounding).map(|(size, rounding)| size <= rounding).collect();
         for of_forces in [false, true] {
             for (i, j, v) in entries(&model.a).filter(|&(i, j, v)| j < n && (i < n) == of_forces && v != 0.0) {
                 let term = terms[i] / v.abs();
-                // Terms of the force rows count only if those of the constraint rows are rounding as well.
+                // The terms of a DOF's force rows are used only if the terms of its constraint rows are rounding as well.
                 if is_zero[j] && term > self.rounding[j] && (!of_forces || sizes[j] <= self.rounding[j]) {
                     sizes[j] = sizes[j].max(term);
                 }
@@ -104,7 +104,7 @@ impl DisplacementErrors {
         })
     }
 
-    /// Absolute values of the DOFs; every DOF with a known unit gets the largest value of these DOFs.
+    /// Absolute values of the DOFs. All DOFs with a known unit get the largest value among them.
     fn levelled(&self, values: impl Iterator<Item = f64>) -> Vec<f64> {
         let pairs: Vec<_> = values.zip(&self.known).collect();
         let largest = pairs.iter().filter(|(_, known)| **known).fold(0.0, |most: f64, (v, _)| most.max(v.abs()));

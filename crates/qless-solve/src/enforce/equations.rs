@@ -1,23 +1,23 @@
 //! Stores `A x = b` in dimensionless numbers ([`super::scale`]) with the sizes of its terms, and refines its solutions.
 //!
-//! The residual `|A x - b|_i` is measured by its terms `(|A| |x| + |b|)_i`, row by row. If all terms of a row are rounding of larger
-//! unknowns elsewhere, the row cannot satisfy this measure. Its terms therefore count as at least a fraction ([`FLOOR`] or less) of what
-//! they would be if every unknown of its connected part were as large as the largest one. Cost of one residual: three passes over the
-//! entries.
+//! The residual `|A x - b|_i` of row i is compared with its terms `(|A| |x| + |b|)_i`. If all these terms are rounding of larger unknowns
+//! elsewhere, the row cannot meet the limit. The terms therefore count as at least a fraction ([`FLOOR`] or less) of what they would be if
+//! every unknown of the connected part were as large as its largest one. Cost of one residual: three passes over the entries.
 
 use super::EnforceError;
 use super::matrix::entries;
 use crate::common::{ENTRY_ROUNDING, SparseMatrix, times};
 
-/// A relative error up to this size counts as rounding: that of an entry, and of the few products that the entry takes part in.
+/// A relative error up to this size counts as rounding. It covers the rounding of an entry, and of the few products in which the entry
+/// occurs.
 pub const ROUNDING: f64 = 4.0 * ENTRY_ROUNDING;
 /// The largest relative residual that a row may have: half a million machine epsilons, so that sums of many terms can reach it.
 pub const BALANCED: f64 = 1e-10;
-/// Floor for the terms of a row, relative to the largest terms of its part. A residual of `BALANCED FLOOR` of the largest terms is the
-/// rounding of a sum of hundreds of terms.
+/// Floor for the terms of a row, relative to the largest terms of its part. The product `BALANCED * FLOOR` = 1e-13 is the rounding of a sum
+/// of hundreds of terms.
 pub const FLOOR: f64 = 1e-3;
-/// Largest number of solves in a refinement. Corrections that shrink by a factor of 0.8 reach [`BALANCED`] within it from any start; slower
-/// ones are not worth their cost.
+/// Largest number of solves in a refinement. Corrections that shrink by a factor of 0.8 reach [`BALANCED`] within this number from any
+/// start; slower ones are not worth their cost.
 const SOLVES: usize = 200;
 
 /// A function that computes `M^-1 r`, where M approximates A.
@@ -60,7 +60,7 @@ impl Equations {
     }
 
     /// For each row, the size of its terms `|A| |x| + |b|`, and their floor: `|A| |x|` if every unknown were as large as the largest of its
-    /// part. An unknown without a known unit counts with the largest size at which its term alone equals the terms of a row.
+    /// part. For an unknown x_j without a known unit, the largest `size_i / |A_ij|` of its rows i takes the place of `|x_j|`.
     fn sizes_and_floor(&self, x: &[f64], b: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let size: Vec<f64> = self.size(x).iter().zip(b).map(|(ax, b)| ax + b).collect();
         let of_known: Vec<f64> = x.iter().zip(&self.known).map(|(x, known)| if *known { *x } else { 0.0 }).collect();

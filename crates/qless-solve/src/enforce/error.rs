@@ -43,10 +43,10 @@ pub enum EnforceError {
         row: usize,
         /// Label of the equation that may be redundant.
         label: String,
-        /// Residual of this equation if the others hold, relative to the terms of all of them.
+        /// Residual of equation `row` if the other equations hold, relative to the terms of all these equations.
         residual: f64,
     },
-    /// The plan does not contain each independent equation of this problem once.
+    /// The plan does not contain each independent equation of this problem exactly once.
     #[error("the plan has {planned} equations, but {kept} are independent, and each must occur once")]
     Plan {
         /// Number of equations in the plan.
@@ -96,7 +96,7 @@ pub enum EnforceError {
     OutOfBalance {
         /// Name of the row with the residual: the forces on a DOF, or the label of an equation.
         row: String,
-        /// Residual of this row, relative to its terms.
+        /// Residual of the row `row`, relative to its terms.
         imbalance: f64,
     },
     /// The springs are so soft that u misses the requested accuracy.
@@ -183,14 +183,14 @@ const NAMED: usize = 8;
 pub struct FreeMotion {
     /// The DOFs that move, ascending.
     pub dofs: Vec<usize>,
-    /// Displacement of each of these DOFs in its own unit; the largest is 1 or -1.
+    /// Displacement of each DOF in `dofs`, in the unit of the DOF; the largest is 1 or -1.
     pub motion: Vec<f64>,
     /// Largest force that resists the motion, relative to its terms: zero or rounding.
     pub resistance: f64,
 }
 
 impl FreeMotion {
-    /// Creates it from the motion u of all DOFs, and the same motion `sizes` in dimensionless numbers.
+    /// Creates the free motion from the motion u of all DOFs, and from the same motion `sizes` in dimensionless numbers.
     pub(super) fn new(u: &[f64], sizes: &[f64], resistance: f64) -> Self {
         let most = sizes.iter().fold(0.0, |most: f64, size| most.max(size.abs()));
         let dofs: Vec<usize> = (0..u.len()).filter(|&j| sizes[j].abs() > SHARE * most).collect();

@@ -202,7 +202,8 @@ impl Problem<'_> {
         Ok(plans.into_values().collect())
     }
 
-    /// For each DOF, the number of entries in its row of T (1 for masters), and whether it is a slave.
+    /// For each DOF, the number of entries in its row of T, and whether it is a slave. Masters count 1; slaves of a factored block count
+    /// the predicted mean.
     fn lengths_of_t(&self) -> Result<(Vec<f64>, Vec<bool>), EnforceError> {
         let elimination = elimination_of(self.system, &self.kept)?;
         let reduction = elimination.reduction();

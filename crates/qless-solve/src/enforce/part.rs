@@ -75,7 +75,7 @@ pub struct PartTerms {
     rows: Vec<usize>,
     k: Vec<Entry>,
     c: Vec<Entry>,
-    /// Terms with prescribed DOFs as `(row, coefficient, value)`; rows of C follow those of K.
+    /// Coefficients of prescribed DOFs with their values: `(row, coefficient, value)`; rows of C follow those of K.
     moved: Vec<(usize, f64, f64)>,
 }
 
@@ -156,7 +156,8 @@ impl PartTerms {
     }
 }
 
-/// Whether each difference `K_ij - K_ji` is rounding of the entry, or of the diagonal of the scaled K, which is one.
+/// Whether the scaled K is symmetric up to rounding. Each difference `K_ij - K_ji` is compared with the entry, or with 1, the size of the
+/// scaled diagonal, if that is larger.
 fn is_symmetric(k: &SparseMatrix) -> bool {
     let off = |i: usize, j: usize, v: f64| (v - k.get(j, i).copied().unwrap_or_default()).abs();
     entries(k).all(|(i, j, v)| off(i, j, v) <= ROUNDING * v.abs().max(1.0))

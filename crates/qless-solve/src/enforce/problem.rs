@@ -184,8 +184,8 @@ impl Method {
     }
 }
 
-/// Limit for the difference between the residual of a redundant equation and the combination of residuals in its certificate, relative to
-/// the sum of the absolute terms. The certificate and the residuals that it combines may each be wrong by a tenth of the limit.
+/// A redundant row holds if its residual differs from the combination of residuals in its certificate by at most this fraction of the
+/// absolute terms. The certificate and the combined residuals may each be wrong by a tenth of that.
 const NOTHING: f64 = 1e-9;
 
 /// Fails if the rank is ambiguous and the residual of a redundant equation is not the combination of residuals in its certificate.

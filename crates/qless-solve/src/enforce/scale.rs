@@ -21,8 +21,8 @@ pub type Entry = (usize, usize, f64);
 /// A nonzero entry of a matrix: `(row, column, log2 of the size)`.
 type Power = (usize, usize, f64);
 
-/// Largest number of passes that balance K. Each pass halves the exponents of rows that are off; exponents are below 2^11. Definite
-/// matrices need one pass.
+/// Largest number of passes that balance K. Each pass halves the exponents by which rows are out of balance; exponents are below 2^11.
+/// Definite matrices need one pass.
 const SWEEPS: usize = 20;
 /// The exponent of a DOF without a scale.
 const NONE: f64 = f64::NEG_INFINITY;
@@ -111,10 +111,11 @@ pub fn parts(count: usize, pairs: impl Iterator<Item = (usize, usize)>) -> Vec<u
     (0..count).map(|i| sets.root(i)).collect()
 }
 
-/// Whether the unit of each DOF is known, then the same for the multipliers: all DOFs of their equation have known units.
+/// For each DOF, whether its unit is known; then for each equation, whether the units of all its DOFs are known, so that its multiplier has
+/// a known unit too.
 ///
-/// A diagonal entry determines the unit of its DOF and of all DOFs in the same connected part of K. Equations determine the units of DOFs
-/// without stiffness from those of their other DOFs. Without any stiffness, the equations connect all DOFs, and all units count as known.
+/// A diagonal entry of K determines the unit of its DOF and of all DOFs in the same connected part of K. Equations determine the units of
+/// DOFs without stiffness from those of their other DOFs. If K is zero, all units count as known.
 pub fn known_units(
     k: impl Iterator<Item = Entry>,
     c: impl Iterator<Item = Entry>,

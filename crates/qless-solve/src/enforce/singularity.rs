@@ -1,12 +1,13 @@
-//! Decides whether a matrix A is singular up to rounding: by how far the unknowns move if each entry of A is wrong in its last place.
+//! Decides whether a matrix A is singular up to rounding. The measure is how far the unknowns move if each entry of A changes in its last
+//! place. In each step, v is the vector of unknowns:
 //!
 //! ```text
 //! v <- A^-1 (r |A| |v|),  g = max |v after| / max |v before|       random r in +-[1/2, 1], dimensionless
 //! ```
 //!
-//! g tends to the condition number of Skeel and Bauer, `| |A^-1| |A| |`: rounding of the entries of A changes x by a fraction of about
-//! `g eps`. Units of rows and columns do not change g, and stiff parts on soft ones do not make it large. `|A|` holds the sizes of the
-//! terms that were summed into A: a stiffness `0.1 + 0.2 - 0.3` has the size 0.6.
+//! The growth g tends to the condition number of Skeel and Bauer, `| |A^-1| |A| |`: rounding of the entries of A changes x by a fraction of
+//! about `g eps`. Units of rows and columns do not change g, and stiff parts on soft ones do not make it large. `|A|` holds the sizes of
+//! the terms that were summed into A: a stiffness `0.1 + 0.2 - 0.3` has the size 0.6.
 //!
 //! If g is so large that rounding decides, v is refined to a null vector, `v <- v - M^-1 A v`, where M^-1 applies the computed factors. If
 //! `|A v|` is rounding of `|A| max |v|` in every row, then a matrix that differs from A by rounding is singular (Rigal and Gaches).
@@ -25,15 +26,15 @@ use crate::common::{ENTRY_ROUNDING, RandomForces};
 const STEPS: usize = 2;
 /// Largest number of refinements of a null vector.
 const SHARPENINGS: usize = 6;
-/// Growth above which a null vector is searched for. A singular A has `g > 1 / ROUNDING`; one power step finds at least a hundredth of
-/// that.
+/// Growth above which a null vector is searched for. A singular A has a growth of at least `1 / ROUNDING`; one power step finds at least a
+/// hundredth of it.
 const SUSPICIOUS: f64 = 0.01 / ROUNDING;
 
 /// Whether the model is supported.
 pub enum SupportVerdict {
-    /// The model is supported; g is the growth of rounding.
+    /// The model is supported. The number is the growth of rounding.
     Supported(f64),
-    /// This motion is free: the forces that resist it are at most this fraction of their terms.
+    /// A motion that is free, and the largest force that resists it, relative to its terms.
     Mechanism(Vec<f64>, f64),
 }
 

@@ -1,8 +1,9 @@
-//! One solve, part by part: factor, check the support, solve, and refine until the equations are in balance. The errors of all parts are
-//! merged; the most severe one is returned.
+//! Solves each connected part: factors its equations, checks the support, solves, and refines until the equations are in balance. If parts
+//! fail, the most severe error is returned.
 //!
 //! Every part is first solved exactly, by elimination or multipliers; augmented equations get this solution, whatever their factor is.
-//! Penalties start from it, with `Z x = lambda / D`, the displacement of the springs:
+//! Penalties start from it. D is the stiffness of the springs, `Z = 1 / D` their compliance, and M^-1 the inverse for Z = 0. In `Z x`, Z
+//! multiplies the multipliers in x, which gives the displacements of the springs:
 //!
 //! ```text
 //! [K C^T; C -Z] x = b        x <- M^-1 (b + Z x)
@@ -58,7 +59,8 @@ fn solve_part(part: &EnforcedPart) -> Result<(Refined, f64), EnforceError> {
         Err(error) => return Err(singular(part, &model, error)),
     };
     let mut refined = model.refine(&mut |r| inverse.solve(r), b)?;
-    // With T, terms that are zero stay zero; with factors of the saddle matrix, they become rounding. So elimination is tried as well.
+    // Elimination keeps terms that are exactly zero; factors of the saddle matrix turn them into rounding, which may exceed the limits. If
+    // residuals are too large, elimination of all equations is therefore tried as well.
     if refined.share > 1.0
         && let Ok(mut other) = SaddleInverse::new(part, |_| true)
         && let Ok(found) = model.refine(&mut |r| other.solve(r), b)
@@ -77,8 +79,8 @@ fn solve_part(part: &EnforcedPart) -> Result<(Refined, f64), EnforceError> {
     if accuracy < 1.0 { Ok((found, accuracy)) } else { Err(residual_error(part, &found)) }
 }
 
-/// Solves with penalties. Returns the solution and its relative error of u; if that exceeds the requested accuracy, an error with a
-/// sufficient factor.
+/// Solves with penalties. Returns the solution and its relative error of u. Fails if this error exceeds the requested accuracy; the failure
+/// names a sufficient factor, if one was found.
 fn penalised(
     part: &EnforcedPart,
     inverse: &mut SaddleInverse,
@@ -89,7 +91,7 @@ fn penalised(
         let z: Vec<f64> = compliance(part).into_iter().map(|z| z / share).collect();
         let model = saddle_equations(part, &z)?;
         let refined = model.refine(&mut |r| inverse.solve(r), (&part.rhs.0, &part.rhs.1))?;
-        // A difference of two solutions below eps is rounding.
+        // Differences below eps are rounding, so the relative error is at least eps.
         let error = if refined.share <= 1.0 { errors.between(exact, &refined.x).max(f64::EPSILON) } else { 1.0 };
         Ok((refined, error))
     };
@@ -99,7 +101,7 @@ fn penalised(
     if is_enough(cost) {
         return Ok((found, cost));
     }
-    // Once the error is small, it falls as 1 / factor: this gives the first share to try. Then the share grows by powers of ten.
+    // Once the error is small, it falls as 1 / factor. This gives the first `share` to try; later ones are ten times larger each.
     let first = 2.0 * cost.clamp(accuracy, accuracy.max(1e3)) / accuracy;
     let mut shares = (0..6).map(|digits| first * 10_f64.powi(digits));
     let share = shares.find(|&share| matches!(softened(share), Ok((_, error)) if is_enough(error)));

@@ -35,7 +35,7 @@ use super::{EnforceError, FreeMotion};
 pub struct Steps<S> {
     elimination: Elimination,
     condensed: CondensedPattern,
-    /// The elimination with sizes in place of the entries of T: it condenses `|K|` to the sizes of the terms of K_q.
+    /// The elimination with absolute values in place of the entries of T: it condenses `|K|` to the sizes of the terms of K_q.
     sizes: Elimination,
     of_sizes: CondensedPattern,
     solver: S,
@@ -83,7 +83,8 @@ impl<S: Solver> Steps<S> {
         let sizes = Elimination::from_reduction(sizes_of(elimination.reduction())?, elimination.prescribed_values())?;
         let of_sizes = sizes.condensed(k, PrescribedDofs::Eliminated)?;
         let (n, is_half) = (condensed.unknowns(), condensed.storage() != Storage::Full);
-        // In this matrix, each value is the place of its entry in the condensed pattern.
+        // Each value of this matrix is the index of its entry in the condensed pattern, so that values of K_q can be copied into the matrix
+        // later.
         let all = condensed.entries().enumerate().flat_map(|(place, (i, j))| {
             [(i, j, place as f64), (j, i, place as f64)].into_iter().take(if is_half && i != j { 2 } else { 1 })
         });
@@ -221,7 +222,8 @@ impl<S: Solver> Steps<S> {
     }
 }
 
-/// The reduction with sizes in place of the entries of T; G and g are zero.
+/// The reduction with the sizes of the entries of T in their place: absolute values, or more for entries that are rounding. G and g are
+/// zero.
 fn sizes_of(reduction: &Reduction) -> Result<Reduction, EnforceError> {
     let (t, noise) = (reduction.t(), TransformNoise::new(reduction.t()));
     let sizes = (0..t.rows())
@@ -241,7 +243,7 @@ fn scaled(x: &[f64], scale: &[i32]) -> Vec<f64> {
     x.iter().zip(scale).map(|(x, e)| times_power(*x, *e)).collect()
 }
 
-/// `S^-1 K_q^-1 S^-1 r`, where S holds the scales with the given exponents.
+/// The inverse of the scaled matrix S K_q S applied to r: `S^-1 K_q^-1 S^-1 r`, where S holds the scales with the given exponents.
 fn inverse(solver: &mut impl Solver, scale: &[i32], r: &[f64]) -> Result<Vec<f64>, EnforceError> {
     let opposite: Vec<i32> = scale.iter().map(|e| -e).collect();
     backsolve(solver, &opposite, r)

@@ -1,11 +1,11 @@
-//! Entries of T that are rounding, recognised by their size in an equilibrated T:
+//! Finds entries of T that are rounding, by their size in an equilibrated T:
 //!
 //! ```text
-//! R T S, the largest number of each row and column near 1 (Ruiz 2001)        above 2^-40: no rounding
+//! R T S has largest entries near 1 in each row and column (Ruiz 2001)        an entry of R T S above 2^-40 is no rounding
 //! ```
 //!
 //! A factorization leaves entries of relative size `eps` where T has zeros. A master that only such entries connect to K has no stiffness.
-//! R and S are needed because the entries of a row may have different units. Cost: one pass over T, and
+//! The scales R and S are needed because the entries of a row may have different units.
 //! some more if some entries are small.
 
 use qless::Csr;
@@ -15,7 +15,7 @@ use crate::common::ENTRY_ROUNDING;
 
 /// Equilibrated entries up to this size are rounding: far above what `eps` becomes in thousands of steps, far below what a user means.
 const NOISE: f64 = 1.0 / (1_u64 << 40) as f64;
-/// Exponents of R and S; none if no entry is small in its row.
+/// Exponents of the scales R of the rows and S of the columns of T; none if no entry is small in its row.
 #[derive(Debug)]
 pub struct TransformNoise(Option<Vec<i32>>);
 
@@ -31,8 +31,8 @@ impl TransformNoise {
         Self((0..t.rows()).any(is_small).then(scales))
     }
 
-    /// Size of the terms of an entry of T: its absolute value, or, if the entry is rounding, the size of the number that it is a rounding
-    /// of. T has `rows` rows.
+    /// The size of the terms of an entry of T. For rounding, it is the size of the numbers that cancelled; for other entries, the absolute
+    /// value. T has `rows` rows.
     pub fn size(&self, (row, col, rows): (usize, usize, usize), value: f64) -> f64 {
         let Some(scale) = &self.0 else { return value.abs() };
         let unit = times_power(1.0, -scale[row] - scale[rows + col]);

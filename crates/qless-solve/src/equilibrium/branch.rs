@@ -1,10 +1,11 @@
-//! Checks that a load step stays on its branch. DOFs that constraints and prescribed DOFs determine move along a curve, independently of
-//! the loads.
+//! Checks that a load step stays on its solution branch. Some DOFs are determined by the constraints and the prescribed DOFs alone: they
+//! move along a curve, whatever the loads are.
 //!
-//! Let G be the Jacobian at the start of a step, G' elsewhere, and x a vector on the determined DOFs. `P x = dx` is defined by
-//! `G dx = (G - G') x`. If `(1 - t) G x + t G' x = 0`, then `x = t P x`. While the spectral radius of P is below one, no matrix between G
-//! and G' is singular, as it would be where branches meet. If a linkage jumps to its mirror image, P has an eigenvalue above one, even if
-//! all constraints hold. A change of units is a similarity of P and does not change its eigenvalues. Each part has its own P.
+//! Let G be the constraint Jacobian at the start of a step, and G' elsewhere in the step, both on the determined DOFs. The matrix P maps x
+//! to dx with `G dx = (G - G') x`. If a matrix between G and G' is singular, `(1 - t) G x + t G' x = 0`, then `x = t P x`, so that P has
+//! the eigenvalue `1 / t`. While the spectral radius of P is below one, no such matrix is singular, as it would be where branches meet. If
+//! a linkage jumps to its mirror image, P has an eigenvalue above one, even if all constraints hold. A change of units is a similarity of P
+//! and does not change its eigenvalues. Each part has its own P.
 //!
 //! With functions of time, the end points of a step cannot reveal a full turn between them: [`check_jumps`] looks at times in between.
 
@@ -21,19 +22,20 @@ use crate::newton::{Parts, change};
 
 /// Largest spectral radius of P in an accepted step. At one, branches may meet; the limit leaves a margin for the curvature of the path.
 const MOST: f64 = 0.5;
-/// Number of applications of P to a vector. The second half of them estimates the spectral radius of P, to about a tenth.
+/// Number of applications of P to a vector. The growth in the second half of them estimates the spectral radius of P, to about a tenth.
 const POWERS: usize = 8;
 /// A step is accepted if it changes the constraint Jacobian G by at most this fraction, or if its path deviates from a straight one by at
 /// most this fraction of the units of the DOFs. The result is then near its start, even if branches meet on the way.
 const SMALL: f64 = 0.005;
-/// Branches meet at an end of the step if the distance of the meeting point to this end is at most this fraction of its distance to the
-/// other end. P then has the eigenvalue 1 if the Jacobian is singular at the end of the step, and a very large one if it is singular at the
-/// start. The value is the square root of the fraction by which a step may miss the meeting point.
+/// Branches meet at an end of the step if the meeting point is at most this fraction as far from this end as from the other one. The
+/// spectral radius of P is then near 1 if the Jacobian is singular at the end of the step, and very large if it is singular at the start.
+/// The square of this number is the fraction of a step by which the step may miss the meeting point.
 const NEARER: f64 = 1e-3;
-/// A DOF is determined if it moves by less than this fraction of its unit while the others move by theirs: far above the rounding of the
-/// saddle solution, far below any motion.
+/// The constraints determine a DOF if it moves by at most this fraction of its unit while the other DOFs move by about their units. The
+/// fraction is far above the rounding of the saddle solution, and far below any motion.
 const STILL: f64 = 1e-6;
-/// Number of times at which a step is checked. At each of them, a step over whole periods passes with a probability of about 0.1.
+/// Number of times at which a load step is checked for full turns between its ends. A step over whole periods passes the check at each of
+/// these times with a probability of about 0.1.
 const TIMES: u32 = 8;
 
 /// The state of one part at the start of a load step. [`Branch::check`] tests whether a step stays on the same solution branch.
@@ -60,7 +62,8 @@ pub struct BranchCheck {
 }
 
 impl BranchCheck {
-    /// Factor for the length of the next step, such that its spectral radius is about half of the limit; NaN counts as a large radius.
+    /// Factor for the length of the next step. With it, the spectral radius of that step is about half of the limit. The factor is at least
+    /// 0.1, and 2 if branches met.
     pub fn growth(&self) -> f64 {
         if self.met { 2.0 } else { (0.5 * MOST / self.radius).max(0.1) }
     }
@@ -134,14 +137,14 @@ impl Branch {
     /// The largest entry of a motion, relative to the units.
     fn size(&self, x: &[f64]) -> f64 {
         let sizes = x.iter().zip(&self.units).map(|(x, unit)| (x / unit).abs());
-        // NaN is kept as the largest entry.
+        // NaN counts as larger than any number.
         sizes.fold(0.0, |most, x| if most.is_nan() || x <= most { most } else { x })
     }
 }
 
-/// Checks all parts between two load factors: fails if the first-order path of determined DOFs differs from a straight one by more than a
-/// quarter of its length, as an arc of 110 degrees does. The end of the step then does not represent the path: DOFs may have returned
-/// there, as after a full turn.
+/// Checks whether the DOFs that constraints determine move about straight between two load factors. It fails for a part whose first-order
+/// path differs from a straight one by more than a quarter of its length, as an arc of 110 degrees does. The end of the step then does not
+/// represent the path: DOFs may have returned there, as after a full turn.
 pub fn check_jumps(
     branches: &[&Branch],
     time_path: &mut TimePath,
@@ -156,13 +159,13 @@ pub fn check_jumps(
     };
     let (start, end) = (ahead(from)?, ahead(to)?);
     for k in 1..=TIMES {
-        // Multiples of the golden ratio, modulo one: no period fits all of them.
+        // These times are multiples of the golden ratio, modulo one. No period of a motion fits all of them.
         let part = (f64::from(k) * 0.618_033_988_749_895).fract();
         for (((branch, dx), from), to) in branches.iter().zip(ahead(from + part * (to - from))?).zip(&start).zip(&end) {
             let whole: Vec<f64> = to.iter().zip(from).map(|(to, from)| to - from).collect();
             let off: Vec<f64> = (0..dx.len()).map(|j| dx[j] - from[j] - part * whole[j]).collect();
             let limit = (0.25 * branch.size(&whole)).max(SMALL);
-            // False for NaN.
+            // The comparison is false for NaN, so that NaN fails the check.
             let is_straight = branch.size(&off) <= limit;
             if !is_straight {
                 return Err(EquilibriumError::Branch { factor: 0.0 });

@@ -8,9 +8,9 @@ use super::model::{Assembly, Model};
 use super::state::{ULPS, fault, model_error};
 use crate::common::random;
 
-/// Lengths t of differences, the best first. The error of a difference is about `t` from curvature and `eps / t` from rounding; these are
-/// equal at the square root of eps if DOFs have their expected sizes. The other lengths serve DOFs of other sizes, and models that refuse a
-/// configuration.
+/// Lengths t of differences, the best first. The error of a difference is about `t` from curvature and `eps / t` from rounding. If DOFs
+/// have their expected sizes, both are equal at the square root of eps. The other lengths serve DOFs of other sizes, and models that refuse
+/// a configuration.
 const LENGTHS: [f64; 4] = [1e-7, 1e-10, 1e-5, 1e-13];
 /// A row is wrong if it is off by more than this share of its terms. A smaller error explains no failure: with a tangent that is off by a
 /// share e, iterations converge like `e^k`, and the default of 25 iterations reaches 1e-10 for e below 0.4.
@@ -111,7 +111,7 @@ impl<'a, M: Model> TangentCheck<'a, M> {
         Ok(Self { model, u, here, direction })
     }
 
-    /// An entry that differs from the slope of its force; `None` if there is none, or if the forces are too rough to tell.
+    /// Finds an entry that differs from the slope of its force; `None` if there is no such entry, or if the forces are too rough to tell.
     pub fn wrong_entry(&mut self) -> Option<WrongEntry> {
         let all = 0..self.u.len();
         LENGTHS.into_iter().find_map(|length| {
@@ -149,8 +149,8 @@ impl<'a, M: Model> TangentCheck<'a, M> {
         off > TRUSTED * error && off > SHARE * f64::max(size, slope.abs())
     }
 
-    /// Slopes by forward and backward differences of three lengths. Their spread bounds the error: a nonlinear force, or the rounding of a
-    /// short difference, makes them differ. `None` if the model refuses a configuration.
+    /// Slopes of the forces by forward and backward differences of three lengths, and their spread. The spread bounds the error: a
+    /// nonlinear force, or the rounding of a short difference, makes the slopes differ. `None` if the model refuses a configuration.
     fn slopes(&mut self, moved: &std::ops::Range<usize>, length: f64) -> Option<Slopes> {
         let mut all = Vec::new();
         for length in [length, length / 3.0, length / 9.0, -length, -length / 3.0, -length / 9.0] {

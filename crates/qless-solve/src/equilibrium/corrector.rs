@@ -44,7 +44,7 @@ pub struct Corrector<'a, M> {
     pub ahead: Vec<f64>,
     /// For each part, whether its forces or equations depend on prescribed DOFs that have yet to move.
     pub awaits: Vec<bool>,
-    /// The last configuration that could be evaluated; failed parts return to it.
+    /// For each part, whether its forces or equations depend on prescribed DOFs that have not yet moved to their new values.
     pub last_valid: Option<Unknowns>,
 }
 
@@ -53,7 +53,8 @@ pub struct Correction {
     pub part: usize,
     pub saddle: Saddle,
     pub dx: Vec<f64>,
-    /// Whether to change multipliers only, which may make the tangent regular, as for a chain without tension.
+    /// Whether the correction changes multipliers only. New multipliers may make a singular tangent regular, as tension does for a slack
+    /// chain.
     pub only_multipliers: bool,
 }
 
@@ -63,7 +64,7 @@ pub struct PartProgress {
     pub iterates: Vec<EquilibriumIterate>,
     /// Length of the last step, 1 for a full correction.
     pub length: f64,
-    /// DOFs of a motion without resistance, at the last iterate.
+    /// DOFs of a motion that the tangent does not resist, at the last iterate; none if it resists all motions.
     pub loose: Option<Vec<usize>>,
     /// Number of changes of the kept rows.
     changes: usize,
@@ -73,7 +74,8 @@ pub struct PartProgress {
 pub enum PartStage {
     /// The part is iterated.
     Iterating,
-    /// The part takes this correction as soon as all parts are ready to move their prescribed DOFs: parts may share these.
+    /// The part is ready to take this correction. It waits until all parts are ready to move their prescribed DOFs, since parts may share
+    /// these DOFs.
     Ready(Vec<f64>),
     /// The part is in equilibrium.
     Done,
@@ -179,8 +181,8 @@ impl<M: Model> Corrector<'_, M> {
         EquilibriumError::NoConvergence { factor: 0.0, tried: self.end.factor, force, constraint }
     }
 
-    /// The parts that need a correction. A converged part is done if its redundant rows hold; if not, it gets the rows that are independent
-    /// here.
+    /// The parts that need a correction. A converged part is done if its redundant rows hold. If they do not, the part gets the rows that
+    /// are independent at the current configuration.
     fn unbalanced(&mut self) -> Result<Vec<usize>, EquilibriumError> {
         let (mut unbalanced, mut choice) = (Vec::new(), None);
         for part in self.iterating() {
@@ -200,14 +202,14 @@ impl<M: Model> Corrector<'_, M> {
         Ok(unbalanced)
     }
 
-    /// Whether redundant rows hold as well; rounding of the rows that they depend on is allowed.
+    /// Whether all redundant rows of a part hold; the rounding of the rows that they depend on is allowed.
     fn all_hold(&self, part: usize) -> bool {
         let (limit, rows) = (self.options.roundings, &self.all[part].rows);
         let holds = |r: usize| self.state.constraints[r] <= limit || self.state.follows(r, rows.certificate(r), limit);
         self.parts.list[part].rows.iter().all(|&r| rows.kept(r) || holds(r))
     }
 
-    /// Analyses the rows at the configuration that was evaluated last.
+    /// Analyses the rows of all parts at the configuration that was evaluated last.
     fn choose(&self) -> Result<std::sync::Arc<RowChoice>, EquilibriumError> {
         let before = self.all.iter().flat_map(|own| own.rows.list.iter().copied()).collect();
         let place = (self.set, self.parts);

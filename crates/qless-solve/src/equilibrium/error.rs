@@ -173,9 +173,9 @@ pub enum EquilibriumError {
         row: usize,
         /// Column of K, a DOF.
         column: usize,
-        /// The value of this entry in the model's stiffness.
+        /// The value of K(row, column) in the model's stiffness.
         given: f64,
-        /// The slope of the force of DOF `row`, by differences.
+        /// K(row, column) by differences of the force of DOF `row`.
         difference: f64,
     },
     /// The saddle matrix cannot be factored, or memory is exhausted.

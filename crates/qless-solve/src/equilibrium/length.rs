@@ -1,6 +1,6 @@
-//! Step lengths by the natural monotonicity test (Deuflhard, Newton Methods for Nonlinear Problems, NLEQ-ERR): the next correction with the
-//! same tangent A and the residual F, `A^-1 F(x + t dx)`, is shorter than dx by the fraction `t / 4`. If a stiff direction bends (an axis,
-//! a rod), forces rise for a step although the error falls; a test of the residual would forbid that step.
+//! Finds step lengths t by the natural monotonicity test (Deuflhard, Newton Methods for Nonlinear Problems, NLEQ-ERR). The next correction
+//! with the same tangent A and the residual F, `A^-1 F(x + t dx)`, must be shorter than dx by at least the fraction `t / 4`. The test
+//! compares corrections, not residuals: if a stiff direction bends (an axis, a rod), a step raises forces although it reduces the error.
 //!
 //! All parts try their lengths together. Parts that have found their length wait.
 
@@ -8,7 +8,8 @@ use super::corrector::{Correction, Corrector, PartStage};
 use super::state::Unknowns;
 use super::{EquilibriumError, Model};
 
-/// A smaller step length counts as failure: a load step of the same fraction serves better, since Newton's method converges along it.
+/// A part whose step length falls below this number fails. The load step is then shortened instead, which serves better, since Newton's
+/// method converges along a shorter load step.
 const SHORTEST: f64 = 1e-4;
 /// If residuals are within this factor of their tolerance, a full step is taken without a test. Rounding would make the test meaningless,
 /// and the next residual is about the square of this one.
@@ -42,7 +43,8 @@ impl<M: Model> Corrector<'_, M> {
         Ok(())
     }
 
-    /// Starts a search, with a full step if only rounding is left.
+    /// Starts the search for the step length of a part. If residuals are near their tolerance, a full step needs no search; `None` if the
+    /// part waits for prescribed DOFs.
     fn start(&mut self, step: Correction) -> Option<LengthSearch> {
         let own = &mut self.all[step.part];
         if step.only_multipliers {
@@ -59,7 +61,7 @@ impl<M: Model> Corrector<'_, M> {
         Some(LengthSearch { size: step.saddle.length(&step.dx), step, t, found: near })
     }
 
-    /// One trial of all open searches. It overwrites the evaluated forces, constraint values and Jacobian.
+    /// Tries the lengths of all open searches once. This overwrites the evaluated forces, constraint values and Jacobian.
     fn attempt(&mut self, x: &Unknowns, searches: &mut [LengthSearch]) -> Result<(), EquilibriumError> {
         let mut trial = x.clone();
         let mut open: Vec<&mut LengthSearch> = searches.iter_mut().filter(|search| !search.found).collect();

@@ -12,7 +12,7 @@ pub struct Start {
     pub u: Vec<f64>,
     /// Multipliers; a constraint that has none starts with zero.
     pub multipliers: PerConstraint,
-    /// The loads at load factor 0, with which the start is in equilibrium.
+    /// The loads with which the start is in equilibrium, at load factor 0.
     pub loads: Vec<f64>,
 }
 

@@ -67,8 +67,9 @@ impl<M: Model> Path<'_, M> {
     }
 
     /// Chooses the rows of each part at a configuration that satisfies its constraints: near the start, or else near the end of the step.
-    /// The second result tells which parts have such a configuration near the start; their constraints are then evaluated there. A part
-    /// without any such configuration takes the rows that are independent where it is, or fails if its constraints conflict.
+    /// The second result tells which parts have such a configuration near the start. The constraints of these parts are then evaluated
+    /// there. A part without any such configuration takes the rows that are independent where the part is, or fails if its constraints
+    /// conflict.
     fn rows_at_start(
         &mut self,
         prescribed: &[(usize, f64)],
@@ -181,10 +182,11 @@ impl<M: Model> Path<'_, M> {
         self.steps.push(LoadStep { factor, converged, branches_meet, iterates: side_by_side(&iterates) });
     }
 
-    /// Second attempt with the failed parts, or with all if the whole model failed; returns the failure of the whole model, if it remains.
+    /// Tries failed parts again from a configuration that satisfies the constraints, or all parts if the whole model failed. Returns the
+    /// failure of the whole model, if it remains.
     ///
-    /// The error of the first attempt is kept, unless the second one says more than missing convergence, or there is proof that the
-    /// constraints have no solution.
+    /// The error of the first attempt is kept if the second one only lacks convergence. If the constraints are proven to have no solution,
+    /// the error says so.
     fn try_again(
         &mut self,
         x: &mut Unknowns,
@@ -192,7 +194,7 @@ impl<M: Model> Path<'_, M> {
         whole: Option<EquilibriumError>,
         end: &StepTarget,
     ) -> Option<EquilibriumError> {
-        // A part that left its branch would do so again.
+        // A part that left its branch would leave it again, so it is not tried again.
         let fails = |own: &PartProgress| matches!(&own.stage, PartStage::Failed(failure) if !matches!(failure, EquilibriumError::Branch { .. }));
         let asked: Vec<usize> = (0..all.len()).filter(|&part| whole.is_some() || fails(&all[part])).collect();
         if asked.is_empty() {

@@ -70,7 +70,7 @@ impl<'a, M: Model> Path<'a, M> {
         let elements = (0..n).map(|i| std::iter::once(i).chain(state.assembly.row(i).map(|(j, _)| j)).collect());
         let is_held = |j: &usize| target.prescribed.iter().any(|(held, _)| held == j);
         let vectors = set.rotation_vectors().into_iter().filter(|vector| !vector.iter().any(is_held));
-        // The stiffness of a prescribed DOF does not join other DOFs to one part.
+        // A prescribed DOF does not join other DOFs to one part, although its row of K couples them.
         let mut held = vec![false; n];
         target.prescribed.iter().for_each(|&(j, _)| held[j] = true);
         let elements = elements.enumerate().filter(|(i, _)| !held[*i]).map(|(_, row): (_, Vec<usize>)| row);
@@ -175,7 +175,8 @@ impl<'a, M: Model> Path<'a, M> {
         wrong.map_or(error, WrongEntry::into_error)
     }
 
-    /// Factor for the length of the next step. A step was easy if it took at most a third of the allowed iterations.
+    /// Factor for the length of the next step: 2 after an easy step, otherwise 1, and less if a branch check demands it. A step was easy if
+    /// it took at most a third of the allowed iterations.
     fn longer(&self) -> f64 {
         let easy = self.tracks.iter().all(|track| 3 * track.iterates <= self.options.iterations);
         let growths = self.tracks.iter().map(|track| track.branch_check.growth());

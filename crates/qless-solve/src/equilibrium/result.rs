@@ -7,14 +7,15 @@ use super::Stability;
 /// One iterate, with its residuals.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EquilibriumIterate {
-    /// Largest residual force `|r_j|` of the free DOFs, relative to the sizes of its terms or to what rounding allows.
+    /// Largest residual force `|r_j|` of the free DOFs, relative to the sizes of its terms. The rounding that the tolerance allows is
+    /// included in these sizes.
     pub force: f64,
-    /// `max_r eps |c_r| / rounding_r` over the kept rows: the constraint values c_r relative to the sizes of their terms. If they no longer
-    /// fall, they may be compared with the largest terms of the part instead, or with the rounding of forces; the force change of a motion
-    /// that removes c_r then counts.
+    /// `max_r eps |c_r| / rounding_r` over the kept rows: the constraint values c_r relative to the sizes of their terms. If c no longer
+    /// falls, two other measures of c_r count if they are smaller: relative to the largest terms of the part, or by the forces that a
+    /// motion removing c_r would change, relative to their rounding.
     pub constraint: f64,
-    /// Step length that led to this iterate: 1 for a full correction, 0 if only multipliers changed. This is the smallest of the connected
-    /// parts that moved; the other fields are the largest of all parts.
+    /// Step length that led to this iterate: 1 for a full correction, 0 if only multipliers changed. Of all connected parts that moved, the
+    /// smallest length counts; in the other fields, the largest number of all parts counts.
     pub length: f64,
     /// Whether the tangent of the last correction was singular and was regularised.
     pub regularised: bool,
@@ -43,11 +44,11 @@ pub struct Equilibrium {
     /// Multipliers, one per equation, in units of force times displacement per unit of the constraint value; 0 for redundant equations.
     /// Each multiplier belongs to its constraint, also after other constraints are added or removed.
     pub multipliers: PerConstraint,
-    /// `f_int + G^T lambda - f_ext` at prescribed DOFs, the support forces; one per DOF, zero elsewhere. At rotations of bodies, moments in
-    /// space, as in [`super::Target::loads`].
+    /// Support forces `f_int + G^T lambda - f_ext` at prescribed DOFs, one number per DOF, zero elsewhere. At rotations of bodies they are
+    /// moments in space, as in [`super::Target::loads`].
     pub reactions: Vec<f64>,
-    /// `-G^T lambda`: force of the constraints on the model, one per DOF; moments in space at rotations of bodies. Those of a single
-    /// constraint are [`qless_constraints::ConstraintSet::forces_of`].
+    /// Forces `-G^T lambda` of all constraints on the model, one number per DOF. At rotations of bodies they are moments in space.
+    /// [`qless_constraints::ConstraintSet::forces_of`] gives the forces of a single constraint.
     pub constraint_forces: Vec<f64>,
     /// Redundant equations, which have no multiplier.
     pub redundant: Vec<usize>,

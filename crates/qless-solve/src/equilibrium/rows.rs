@@ -30,7 +30,7 @@ impl RowChoice {
         (options, mut before): (&EquilibriumOptions, Vec<usize>),
     ) -> Result<Arc<Self>, EquilibriumError> {
         let mut still = evaluation.clone();
-        // The rank depends on the Jacobian only, so that the constraint values c are cleared.
+        // Only the rank is needed, and it depends on the Jacobian alone. Without the constraint values c, no rows conflict.
         still.clear_values();
         let mut settings = options.analysis.clone();
         before.sort_unstable();

@@ -56,7 +56,7 @@ impl Saddle {
         let lu = pattern.factors(&a)?;
         let softest = match inverse_iteration(&lu, size) {
             Some(found) => found,
-            // A pivot is zero: factors of a slightly shifted matrix give the same vector.
+            // If a pivot is zero, factors of a slightly shifted matrix give the same null vector; its singular value is zero.
             None => (inverse_iteration(&pattern.factors(&matrix(SINGULAR)?)?, size).unwrap_or_default().0, 0.0),
         };
         Ok(Self { scale, a, lu, softest })

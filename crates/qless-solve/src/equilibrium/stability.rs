@@ -1,9 +1,10 @@
 //! Stability of an equilibrium: the number of negative eigenvalues of `Z^T (K + H) Z`, where Z is a basis of `G Z = 0`.
 //!
-//! Let `M = [K + H, G^T; G, -s I]` with m rows of G; then `inertia M = inertia (K + H + G^T G / s) + (0, m)`. For `A = M + s [0, 0; 0, I]`,
-//! `inertia A = inertia (Z^T (K + H) Z) + (m, m)` (Gould 1985). Both have the same inertia if no `M - t (M - A)`, `0 <= t <= 1`, is
-//! singular, that is, if the powers of `M^-1 (M - A) = I - M^-1 A` decay. This is checked with the computed factors `L D L^T`, including
-//! their rounding. If they do not prove the inertia, the result is undecided.
+//! An inertia counts positive and negative eigenvalues. Let `M = [K + H, G^T; G, -s I]` with m rows of G and a shift s; then `inertia M =
+//! inertia (K + H + G^T G / s) + (0, m)`. For `A = M + s [0, 0; 0, I]`, `inertia A = inertia (Z^T (K + H) Z) + (m, m)` (Gould 1985). Both
+//! have the same inertia if no `M - t (M - A)`, `0 <= t <= 1`, is singular, that is, if the powers of `M^-1 (M - A) = I - M^-1 A` decay.
+//! This is checked with the computed factors `L D L^T`, including their rounding. If they do not prove the inertia, the result is
+//! undecided.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
@@ -18,14 +19,14 @@ use faer::{Conj, MatMut, Par, Side, Spec};
 use super::saddle::norm;
 use crate::common::{SparseMatrix, random, times};
 
-/// Values to try for the shift s of the saddle matrix A to M, for entries of size one. With a large s, M differs much from A; with a small
-/// s, the stiffness is lost to rounding. Values near the square root of eps avoid both.
+/// Values of the shift s to try, for a saddle matrix A with entries of size one; M is A with `-s I` in the zero block. With a large s, M
+/// differs much from A; with a small s, the stiffness is lost to rounding. Values near the square root of eps avoid both.
 const SHIFTS: [f64; 4] = [1e-6, 1e-8, 1e-4, 1e-10];
 /// Limit for the number of terms of `G^T G`, relative to the entries of the saddle matrix A. An equation with all DOFs would make `G^T G` a
 /// full matrix. At a hundred, memory is still that of a factorization.
 const FILL: usize = 100;
-/// Number of applications of `M^-1 (M - A)`, where M is the shifted saddle matrix A. They prove the inertia if each shrinks a vector to
-/// less than a third.
+/// Number of applications of `M^-1 (M - A)` to a vector, where M is the shifted saddle matrix A. They prove the inertia if they shrink the
+/// vector to a third or less per application, on average.
 const POWERS: i32 = 6;
 
 /// Whether the energy has a minimum at an equilibrium, among the motions that the constraints allow.

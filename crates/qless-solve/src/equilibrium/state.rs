@@ -17,7 +17,7 @@ pub struct Unknowns {
     pub multipliers: Vec<f64>,
 }
 
-/// Model and constraints at one configuration.
+/// The model and the constraints, evaluated at one configuration.
 pub struct EquilibriumState {
     pub assembly: Assembly,
     pub evaluation: Evaluation,
@@ -94,8 +94,8 @@ impl EquilibriumState {
         Ok(())
     }
 
-    /// Measures the constraint values c again in the parts `settled`, where they no longer fall: the rest may be rounding of other rows or
-    /// of forces.
+    /// Measures the constraint values c again in the parts `settled`, where c no longer falls. The remaining c_r may be rounding of larger
+    /// terms in other rows, or may change forces by less than their rounding.
     pub fn settle(&mut self, set: &ConstraintSet, parts: &Parts, settled: &[usize]) -> Result<(), EquilibriumError> {
         let Some(rounding) = self.of_constraints.as_ref().filter(|_| !settled.is_empty()) else { return Ok(()) };
         let weights = Scales::new(set, &self.evaluation, rounding, parts).weights;

@@ -1,15 +1,15 @@
 //! Tangents of one iterate, over kept rows that are independent there, and the check that they support the model.
 //!
 //! Rows that were independent where they were chosen may be dependent elsewhere; rows that differ only by the rounding of G are always
-//! dependent. The null vector of the tangent shows which rows these are; the last of them is left out. The end of the iteration checks
-//! whether this row holds.
+//! dependent. The null vector of the tangent shows which rows are dependent, and the last of them is left out. At the end of the iteration,
+//! the left-out row is checked: it must hold too.
 //!
 //! In equilibrium the tangent must resist every admissible motion by more than rounding. A bar without force, for example, has a transverse
 //! stiffness from the rounding of its strain.
 //!
-//! Let A be the scaled tangent, y the vector with the smallest `|A y|`, and A' the tangent after a change of u and lambda by their next
-//! correction, and of u in its last places. The support is rounding if `|A' y - A y| > |A y| / 10`: then not one digit of it is known.
-//! Cost: two evaluations.
+//! Let A be the scaled tangent, and y the vector with the smallest `|A y|`. Let A' be the tangent after a small change: u and lambda change
+//! by their next correction, and u also in its last places. The support is rounding if `|A' y - A y| > |A y| / 10`: then not one digit of
+//! it is known. Cost: two evaluations.
 
 use super::corrector::Corrector;
 use super::saddle::{SINGULAR, Saddle, SaddleEntries, largest, norm};
@@ -84,8 +84,8 @@ impl<M: Model> Corrector<'_, M> {
         SaddleEntries { units, free: free.len(), stiff, list }
     }
 
-    /// The tangents of parts in equilibrium. A part fails if its tangent does not resist every admissible motion. A part needs no check if
-    /// the smallest singular value of its scaled tangent is above half of the digits.
+    /// Computes the tangents of parts in equilibrium. A part fails if its tangent does not resist every admissible motion. A part needs no
+    /// check if the smallest singular value of its scaled tangent is larger than the square root of eps.
     pub fn check_support(&mut self, parts: &[usize], x: &Unknowns) -> Result<Vec<(usize, Saddle)>, EquilibriumError> {
         let (mut firm, mut found, mut off) = (Vec::new(), Vec::new(), x.clone());
         for &part in parts {
@@ -111,7 +111,7 @@ impl<M: Model> Corrector<'_, M> {
             let there = saddle.applied(&self.entries(part), &saddle.softest.0);
             self.all[part].rows = before;
             let change: Vec<f64> = there.iter().zip(&here).map(|(there, here)| there - here).collect();
-            // If multipliers dominate, rows are nearly dependent; that is not a free motion.
+            // If multipliers dominate the softest vector, `dofs` is empty: rows are nearly dependent, and the model has no free motion.
             let dofs = self.motion(part, &saddle.softest.0);
             if norm(&change) > 0.1 * norm(&here) && !dofs.is_empty() {
                 self.all[part].fail(EquilibriumError::Unsupported { factor: 0.0, dofs });

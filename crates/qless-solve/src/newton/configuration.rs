@@ -1,6 +1,6 @@
-//! A configuration with its residuals, which are measured independently of units.
+//! A configuration with its residuals, which are measured independently of units in two ways:
 //!
-//! - `D_r |c_r|` with the weights D, relative to the largest size of terms in a part. It tells whether c falls.
+//! - `D_r |c_r|` with the weights D, relative to the largest weighted size of terms in the part. It tells whether c falls.
 //! - `|c_r| / rounding_r`: multiples of the bound on the rounding of c_r. It tells whether an equation holds.
 
 use qless::{ArgumentError, Csr};
@@ -10,15 +10,15 @@ use super::linearisation::Place;
 use super::parts::Parts;
 use super::scales::Scales;
 
-/// A configuration with its c and G.
+/// Values u of the DOFs, with the constraint values c and their Jacobian G at u.
 pub struct Configuration {
     pub u: Vec<f64>,
     pub evaluation: Evaluation,
-    /// Bounds on the rounding of c and G.
+    /// Bounds on the rounding of the constraint values c and their Jacobian G.
     pub rounding: Rounding,
     pub scales: Scales,
-    /// `max_r D_r |c_r|` of each part, relative to the same maximum of the sizes of terms. Rows with weight 0 are measured by their own
-    /// terms.
+    /// For each part, `max_r D_r |c_r|` relative to the same maximum of the sizes of terms, with the weights D of the equations. A row r
+    /// with weight 0 is measured by its own terms.
     pub residuals: Vec<f64>,
 }
 
@@ -44,7 +44,8 @@ impl Configuration {
     }
 }
 
-/// `|c_r|` divided by the bound on its rounding; infinite if c is nonzero and the bound is unknown.
+/// For each equation, the constraint value `|c_r|` divided by the bound on its rounding; infinite if c_r is nonzero and the bound is
+/// unknown.
 pub fn in_roundings(c: &[f64], rounding: &[f64]) -> Vec<f64> {
     let measure = |(&c, &bound): (&f64, &f64)| {
         if c == 0.0 {
@@ -56,20 +57,20 @@ pub fn in_roundings(c: &[f64], rounding: &[f64]) -> Vec<f64> {
     c.iter().zip(rounding).map(measure).collect()
 }
 
-/// `max_r D_r |x_r|` over the rows of each part; numbers that are not finite do not count.
+/// The largest `D_r |x_r|` over the rows r of each part, with the weights D; numbers that are not finite do not count.
 pub fn largest(weights: &[f64], x: &[f64], parts: &Parts) -> Vec<f64> {
     let weighted = |r: usize| Some(weights[r] * x[r].abs()).filter(|x| x.is_finite()).unwrap_or(0.0);
     parts.fold(0.0, |most: &mut f64, r| *most = most.max(weighted(r)))
 }
 
-/// Motions below this fraction of a coordinate are negligible: a hundred thousand times the rounding of one step, and far below what a model
-/// can mean by two different numbers.
+/// A motion below this fraction of a coordinate is negligible. The fraction is about 50,000 machine epsilons, so it is above rounding; a
+/// model has no use for motions that small.
 const NEGLIGIBLE: f64 = 1e-11;
 
-/// `|c_r|` in roundings, for parts whose c no longer falls. A row with weight `D_r > 0` demands a negligible motion if `|c_r| <= 1e-11
-/// sum_j |G_rj| s_j` with the extents s ([`ConstraintSet::extents`]). Such a row gets the smaller of its own value and `D_r |c_r| / max_k
-/// D_k rounding_k`, the maximum over its part: the row's own terms may vanish with u, and further steps among nearly dependent rows do
-/// harm.
+/// For each equation, `|c_r|` divided by the bound on its rounding, for parts whose c no longer falls. A row with weight `D_r > 0` demands
+/// a negligible motion if `|c_r| <= 1e-11 sum_j |G_rj| s_j` with the extents s ([`ConstraintSet::extents`]). Such a row gets the smaller of
+/// this ratio and `D_r |c_r| / max_k D_k rounding_k` over its part. The reason is that the row's own terms may vanish with u, and that
+/// further steps among nearly dependent rows do harm.
 pub fn at_rest(
     set: &ConstraintSet,
     (evaluation, rounding, weights): (&Evaluation, &Rounding, &[f64]),
@@ -88,7 +89,8 @@ pub fn at_rest(
     Ok(list)
 }
 
-/// `max_j |G_rj - G'_rj| s_j / max_j max(|G_rj|, |G'_rj|) s_j` over the free DOFs of each row, then the largest over the rows.
+/// The relative change of a Jacobian from G to G': `max_j |G_rj - G'_rj| s_j / max_j max(|G_rj|, |G'_rj|) s_j` over the free DOFs of a row
+/// r, with the units s. The largest of all rows counts.
 pub fn change([before, after]: [&Csr; 2], rows: &[usize], units: &[f64], parts: &Parts) -> f64 {
     let of_row = |&row: &usize| {
         let pairs = before.row(row).zip(after.row(row)).filter(|((j, _), _)| parts.of_dof(*j).is_some());

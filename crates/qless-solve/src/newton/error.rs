@@ -10,65 +10,65 @@ pub enum NewtonError {
     /// A number of the linearised equations is not finite, or a prescribed DOF is not valid.
     #[error("at step {step}: {source}")]
     System {
-        /// From 0.
+        /// Index of the step that failed, from 0.
         step: usize,
-        /// What is wrong.
+        /// Why the equations cannot be linearised.
         source: LineariseError,
     },
     /// u does not have one value per DOF, or a step leads out of the range of doubles.
     #[error("at step {step}: {source}")]
     Argument {
-        /// From 0.
+        /// Index of the step that failed, from 0.
         step: usize,
-        /// What is wrong.
+        /// Which argument is wrong.
         source: ArgumentError,
     },
     /// The linearised equations cannot be analysed.
     #[error("at step {step}: {source}")]
     Analysis {
-        /// From 0.
+        /// Index of the step that failed, from 0.
         step: usize,
-        /// What is wrong.
+        /// Why the analysis failed.
         source: AnalysisError,
     },
     /// The linearised equations cannot be solved for slaves.
     #[error("at step {step}: {source}")]
     Reduction {
-        /// From 0.
+        /// Index of the step that failed, from 0.
         step: usize,
-        /// What is wrong.
+        /// Why the reduction failed.
         source: ReductionError,
     },
-    /// A tolerance below what rounding allows, or not a number.
+    /// The tolerance is below 1, which rounding does not allow, or it is not finite.
     #[error(
         "the tolerance is {0}; it is a multiple of the rounding error of each equation's value, finite and at least 1, such as 4"
     )]
     Tolerance(f64),
-    /// Equations that contradict those that they depend on: no motion that the others allow reduces their residual, to first or second
+    /// Equations contradict those that they depend on: no motion that the other equations allow reduces their residual, to first or second
     /// order.
     #[error(
         "{} cannot be satisfied together with {}: the residual is {amount:e}, and no motion that the latter allow reduces it; \
          change one of them, or the prescribed values", .labels.join(" and "), list(.others)
     )]
     Conflict {
-        /// The equations.
+        /// Indices of the contradicted equations.
         rows: Vec<usize>,
-        /// Their labels.
+        /// Labels of the contradicted equations.
         labels: Vec<String>,
-        /// Labels of the equations that they depend on; empty if these are the prescribed DOFs alone.
+        /// Labels of the equations that the contradicted ones depend on; empty if they depend on prescribed DOFs alone.
         others: Vec<String>,
-        /// The largest `|c_r|` among them, in the unit of its equation.
+        /// The largest `|c_r|` of the contradicted equations, in the unit of that equation.
         amount: f64,
     },
-    /// The number of steps is exhausted, or no step reduces c.
+    /// The number of steps is exhausted, or no step reduces the constraint values c.
     #[error(
         "no convergence in {steps} steps: the residual of {label} is {residual:e} of its terms; start closer to the solution, or \
          change the prescribed values in smaller steps"
     )]
     NoConvergence {
-        /// Steps made.
+        /// Number of steps made.
         steps: usize,
-        /// Residual at the end, relative to the sizes of the terms.
+        /// The largest residual at the end, relative to the sizes of its terms.
         residual: f64,
         /// The equation with the largest residual.
         label: String,

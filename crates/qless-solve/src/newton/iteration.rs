@@ -17,19 +17,20 @@ pub struct Iteration<'a> {
     options: &'a NewtonOptions,
     prescribed: &'a [(usize, f64)],
     parts: &'a Parts,
-    /// Rotation vectors without prescribed DOFs. They are kept below half a turn, since a whole turn is singular.
+    /// Rotation vectors without prescribed DOFs. They are shortened to at most half a turn, since a whole turn is singular.
     rotations: Vec<[usize; 3]>,
     pub now: Configuration,
     /// Buffers for trial points.
     buffer: Evaluation,
-    /// `|c_r|` in roundings; in settled parts, [`at_rest`] counts if it is smaller.
+    /// For each equation, `|c_r|` divided by the bound on its rounding. In settled parts, it is the value of [`at_rest`], which may be
+    /// smaller.
     residuals: Vec<f64>,
     states: Vec<PartStatus>,
     searches: Vec<Searches>,
-    /// Redundant equations that do not hold, in parts whose kept equations do.
+    /// Redundant equations that do not hold although the kept equations of their part hold.
     contradicted: Vec<usize>,
     pub iterates: Vec<NewtonIterate>,
-    /// Parts that failed, ordered by their steps and then by their lowest DOFs.
+    /// Parts that failed, ordered by the step at which they failed and then by their lowest DOFs.
     pub failures: Vec<(usize, NewtonError)>,
 }
 
@@ -37,9 +38,9 @@ pub struct Iteration<'a> {
 #[derive(Clone)]
 struct PartStatus {
     goal: StepGoal,
-    /// Whether c no longer falls.
+    /// Whether the constraint values c of the part no longer fall.
     settled: bool,
-    /// Length of the last step, relative to du.
+    /// Length t of the last step, which moved the part by t du.
     length: f64,
 }
 
@@ -53,7 +54,7 @@ impl<'a> Iteration<'a> {
         let mut u = u.to_vec();
         prescribed.iter().for_each(|&(j, v)| u.iter_mut().skip(j).take(1).for_each(|u| *u = v));
         let argument = |source| NewtonError::Argument { step: 0, source };
-        // This check includes DOFs that no equation uses.
+        // The check covers all DOFs, also those that no equation uses.
         if let Some(place) = u.iter().position(|u| !u.is_finite()) {
             return Err(argument(ArgumentError::NotFinite { what: "u", place, value: u[place] }));
         }
@@ -78,7 +79,8 @@ impl<'a> Iteration<'a> {
         })
     }
 
-    /// Steps until no part is left to move, or `may_go_on` rejects the failures; returns the equations that are redundant at the end.
+    /// Makes steps until all parts are done or have failed, or until `may_go_on` rejects the failures. Returns the equations that are
+    /// redundant at the end.
     pub fn run(&mut self, may_go_on: impl Fn(&[(usize, NewtonError)]) -> bool) -> Result<Vec<usize>, NewtonError> {
         for step in 0.. {
             let analysis = linearise(self.now.place(self.set), self.prescribed, (step, &self.options.analysis))?;
@@ -113,7 +115,8 @@ impl<'a> Iteration<'a> {
 
     /// Decides what each part needs next.
     ///
-    /// A part is done if its kept equations hold to the tolerance, and its redundant ones to the tolerance that follows from these.
+    /// A part is done if its kept equations hold to the tolerance, and its redundant ones to the tolerance plus the rounding of the kept
+    /// equations in their certificates.
     fn decide(&mut self, analysis: &Analysis) -> Result<(), ArgumentError> {
         let (kept, tolerance) = (kept(analysis), self.options.tolerance);
         let off = self.parts.fold(false, |off, r| *off |= kept[r] && self.residuals[r] > tolerance);
@@ -136,7 +139,7 @@ impl<'a> Iteration<'a> {
         Ok(())
     }
 
-    /// Whether a redundant equation does not hold. Its tolerance includes the rounding of the equations in its certificate.
+    /// Whether a redundant equation does not hold, beyond the rounding of this equation and of the equations in its certificate.
     fn contradicts(&self, analysis: &Analysis, row: usize) -> Result<bool, ArgumentError> {
         if self.residuals[row] <= self.options.tolerance {
             return Ok(false);
@@ -147,8 +150,8 @@ impl<'a> Iteration<'a> {
         Ok(!(self.now.evaluation.c()[row].abs() <= allowed && allowed.is_finite()))
     }
 
-    /// Moves each part by its step length. A part fails and stays if its equations conflict. It also fails if no length is found while it
-    /// is settled or in a singular configuration.
+    /// Moves each part by its step length. A part fails and stays if its equations conflict. It also fails if no step length is found while
+    /// its c no longer falls, or while its configuration is singular.
     fn advance(&mut self, analysis: &Analysis, step: usize) -> Result<(), NewtonError> {
         let argument = |source| NewtonError::Argument { step, source };
         let units = self.now.scales.units.clone();
@@ -187,7 +190,8 @@ impl<'a> Iteration<'a> {
         self.move_to(u, &lengths).map_err(argument)
     }
 
-    /// Parts that do not move although they are not done count as settled, and so do those whose c does not fall.
+    /// Moves the parts by their step lengths. A part then counts as settled if its c did not fall, or if it did not move although it is not
+    /// done.
     fn move_to(&mut self, mut u: Vec<f64>, lengths: &[f64]) -> Result<(), ArgumentError> {
         let moved = |vector: &&[usize; 3]| self.parts.of_dof(vector[0]).is_some_and(|part| lengths[part] > 0.0);
         self.rotations.iter().filter(moved).for_each(|&vector| _ = shorten_rotation(&mut u, vector));
@@ -244,7 +248,7 @@ pub fn free_rotations(set: &ConstraintSet, prescribed: &[(usize, f64)]) -> Vec<[
 pub fn check_prescribed(set: &ConstraintSet, prescribed: &[(usize, f64)]) -> Result<(), NewtonError> {
     let mut builder = SystemBuilder::new(set.dofs());
     prescribed.iter().for_each(|&(dof, value)| builder.prescribe(dof, value));
-    // A system has at least one DOF.
+    // Only a system with at least one DOF can be built. Without prescribed DOFs there is nothing to check.
     let checked = if prescribed.is_empty() { Ok(()) } else { builder.build().map(drop) };
     checked.map_err(|source| NewtonError::System { step: 0, source: source.into() })
 }

@@ -1,7 +1,7 @@
 //! The lowest eigenpair of each diagonal block of a symmetric operator, by Lanczos' method. Blocks belong to connected parts.
 //!
-//! All parts are iterated together: one vector holds a Krylov vector of each part, so that one application of the operator serves all.
-//! Scalar products, norms and termination are separate.
+//! All parts are iterated together: one vector holds a Krylov vector of each part, so that one application of the operator serves all. Each
+//! part has its own scalar products, norms and termination.
 
 use faer::{Mat, Side};
 
@@ -11,13 +11,13 @@ use crate::common::random;
 /// its vector is accurate.
 const VECTORS: usize = 60;
 
-/// The part of each unknown, and the number of parts. Unknowns without a part stay zero.
+/// The part of each unknown, and the number of parts. Vectors stay zero at unknowns without a part.
 pub struct KrylovParts {
     pub part_of: Vec<Option<usize>>,
     pub parts: usize,
 }
 
-/// The lowest eigenvalue of each part, none for a part without unknowns, and the unit eigenvectors.
+/// For each part, the lowest eigenvalue (none without unknowns); and one vector that holds the unit eigenvectors of all parts.
 pub fn lowest<E>(
     apply: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
     numbers: &KrylovParts,
@@ -31,7 +31,7 @@ pub fn lowest<E>(
         (0..2).for_each(|_| basis.iter().for_each(|b| numbers.subtract(&mut next, b)));
         let after = numbers.dots(&next, &next);
         let k = basis.len();
-        // What is left of an image in the span of the others is rounding.
+        // If the image lies in the span of the basis vectors, only rounding is left of it after their projections are subtracted.
         let is_new = |part: usize| after[part].sqrt() > 1e3 * f64::EPSILON * before[part].sqrt();
         let open: Vec<bool> = (0..numbers.parts).map(|p| counts[p] == k && k < sizes[p] && is_new(p)).collect();
         if !open.contains(&true) {
@@ -60,7 +60,7 @@ fn lowest_of_matrix(matrix: &Mat<f64>) -> Option<(f64, Vec<f64>)> {
     if matrix.nrows() == 0 {
         return None;
     }
-    // Eigenvalues are in ascending order.
+    // Eigenvalues are in ascending order, so the first one is the lowest.
     let eigen = matrix.self_adjoint_eigen(Side::Lower).ok()?;
     Some((eigen.S()[0], (0..matrix.nrows()).map(|j| eigen.U()[(j, 0)]).collect()))
 }

@@ -9,14 +9,14 @@ use qless_constraints::{ConstraintSet, Evaluation, Rounding};
 use super::error::NewtonError;
 use crate::common::HALF_DIGITS;
 
-/// Bound on the entries of T. If the first hinge of a chain turns, the end of the chain moves by its length, which is an entry of T: chains
-/// of up to a million links keep the slaves that elimination prefers.
+/// Smallest limit for the entries of T. If the first hinge of a chain turns, the end of the chain moves by its length, which is an entry of
+/// T. With this limit, chains of up to a million links keep the slaves that elimination prefers.
 const GROWTH: f64 = 1e6;
 
-/// What rounding may leave of 1 in a motion `du = T dq`: the rounding of the largest entry of T.
+/// Bound on the rounding of a motion `du = T dq` for a dq of size 1: the rounding of the largest entry of T.
 pub const LOST: f64 = f64::EPSILON * GROWTH;
 
-/// c and G at a configuration, with bounds on their rounding and the units S.
+/// Constraint values c and their Jacobian G at a configuration, with bounds on their rounding and the units S of the DOFs.
 #[derive(Clone, Copy)]
 pub struct Place<'a> {
     pub set: &'a ConstraintSet,
@@ -25,13 +25,15 @@ pub struct Place<'a> {
     pub units: &'a [f64],
 }
 
-/// Analyses `G S y = -c` on the way to a solution; the prescribed DOFs do not move.
+/// Analyses `G S y = -c`, with the units S, for a Newton step; the prescribed DOFs do not move. The tolerance is at least half of the
+/// digits.
 pub fn linearise(
     place: Place,
     prescribed: &[(usize, f64)],
     (step, options): (usize, &Options),
 ) -> Result<Analysis, NewtonError> {
-    // Rows that smaller changes make independent are not needed: so close to the solution, the next step ends at rounding.
+    // A row that differs from a combination of others by less than HALF_DIGITS counts as redundant. It is not needed: so close to the
+    // solution, the next step reaches rounding without it.
     let tolerance = match options.tolerance {
         Tolerance::Relative(least) => Tolerance::Relative(least.max(HALF_DIGITS)),
         absolute => absolute,
@@ -44,7 +46,8 @@ pub fn linearise(
     )
 }
 
-/// As [`linearise`], but entries of row r up to `floors[r]` in the units S are zero.
+/// As [`linearise`], but entries of row r up to `floors[r]` (in the units S) count as zero, and the tolerance of the options is used
+/// unchanged.
 pub fn linearise_above(
     floors: Vec<f64>,
     place: Place,
@@ -55,13 +58,13 @@ pub fn linearise_above(
     analyse_with(place, prescribed, (step, Options { growth: options.growth.max(GROWTH), noise, ..options.clone() }))
 }
 
-/// Analyses `G S y = -c` with the tolerance of the options; the prescribed DOFs do not move.
+/// Analyses `G S y = -c`, with the units S and the tolerance of the options; the prescribed DOFs do not move.
 pub fn analyse_rows(
     place: Place,
     prescribed: &[(usize, f64)],
     (step, options): (usize, Options),
 ) -> Result<Analysis, NewtonError> {
-    // The set has already left out entries within their rounding error, so no other number counts as noise.
+    // The constraint set has already left out entries within their rounding error, so no other number counts as noise.
     analyse_with(place, prescribed, (step, Options { noise: Noise::None, ..options }))
 }
 
@@ -76,7 +79,7 @@ fn analyse_with(
     analyse(&system, &options).map_err(|source| NewtonError::Analysis { step, source })
 }
 
-/// `y_s = T y_q + g` and `du = S y` of an analysis.
+/// The motions `y_s = T y_q + g`, `du = S y` that an analysis allows, with the units S.
 pub struct Motions<'a> {
     pub reduction: Reduction,
     pub units: &'a [f64],
@@ -88,13 +91,13 @@ impl<'a> Motions<'a> {
         Ok(Self { reduction: reduction.map_err(|source| NewtonError::Reduction { step, source })?, units })
     }
 
-    /// `du = S [T; I] z + S g` for increments z of the masters, in their units.
+    /// The motion `du = S [T; I] z + S g` for increments z of the masters, which are divided by their units S.
     pub fn expand(&self, z: &[f64]) -> Result<Vec<f64>, qless::ArgumentError> {
         let y = self.reduction.expand(z, &vec![0.0; self.reduction.prescribed().len()])?;
         Ok(y.iter().zip(self.units).map(|(y, unit)| y * unit).collect())
     }
 
-    /// The step in which no master moves.
+    /// The motion du in which no master moves.
     pub fn step(&self) -> Result<Vec<f64>, qless::ArgumentError> {
         self.expand(&vec![0.0; self.reduction.masters().len()])
     }

@@ -4,10 +4,10 @@
 //! d^2. A step that satisfies them is then of order one: it leads away from the solution, or has to be cut. The step with the rank of the
 //! solution is of order d and converges quadratically.
 //!
-//! A step changes G, and what this change can make dependent determines nothing. Let e be the change relative to the largest entry of a row.
-//! With entries up to e taken as zero, the analysis finds the rank for the tolerance e. Rows that are redundant then are left out, and the
-//! others keep all their entries. e is not known before the step; it is at least about the relative residual of the part. So e is raised
-//! from there by factors of four until the rank falls, unless it does not even fall for the largest.
+//! A step changes G. Rows that this change can make dependent do not determine the motion. Let e be the change relative to the largest
+//! entry of a row. If entries up to e count as zero, the analysis finds the rank for the tolerance e. Rows that are then redundant are left
+//! out, and the others keep all their entries. The change e is not known before the step; it is at least about the relative residual of the
+//! part. So e is raised from there by factors of four until the rank falls. If the rank does not fall for `e = 1/4`, nothing is tried.
 
 use qless::{Options, Tolerance};
 use qless_constraints::Evaluation;
@@ -17,12 +17,12 @@ use super::linearisation::{Motions, kept, linearise_above};
 use super::step::{StepGoal, StepLengths, StepLine};
 use crate::common::HALF_DIGITS;
 
-/// A step that leaves more of the merit function is slow. Where Newton's method is known to converge (Kantorovich's h is at most 1/2), a full
-/// step leaves at most h / 2 of c, and the merit function is the square of c.
+/// A step is slow if it leaves more than this fraction of the merit function, which is the square of c. Where Newton's method is known to
+/// converge (Kantorovich's h is at most 1/2), a full step leaves at most h / 2 of c.
 const SLOW: f64 = 1.0 / 16.0;
 
-/// The searches of one part. After k failed searches in a row, the part takes `2^(k - 2)` steps without one. So a part with many short steps,
-/// such as a long chain that falls into place, rarely searches in vain.
+/// When a part may search for a step with a lower rank. After `k >= 2` failed searches in a row, the part takes `2^(k - 2)` steps without a
+/// search. So a part with many short steps, such as a long chain that falls into place, rarely searches in vain.
 #[derive(Clone, Default)]
 pub struct Searches {
     failed: u32,
@@ -37,7 +37,7 @@ impl Searches {
     }
 }
 
-/// How steps with a lower rank are found.
+/// Searches steps with a lower rank, which ignore rows that are nearly dependent.
 pub struct LowerRank<'a> {
     pub prescribed: &'a [(usize, f64)],
     pub options: &'a Options,
@@ -46,14 +46,15 @@ pub struct LowerRank<'a> {
 }
 
 impl LowerRank<'_> {
-    /// Replaces short steps by those with a lower rank, where these leave less of c.
+    /// For each part whose step is shorter than the full one and whose next search is due, tries steps with a lower rank. The part takes
+    /// the new step if it leaves less of the constraint values c.
     pub fn improve(
         &self,
         line: &mut StepLine,
         best: &mut StepLengths,
         (searches, buffer): (&mut [Searches], &mut Evaluation),
     ) -> Result<(), NewtonError> {
-        // Smaller changes count as none in the analysis too.
+        // A relative residual below HALF_DIGITS counts as HALF_DIGITS, the least tolerance with which `linearise` analyses rows.
         let residual = |part: usize| line.from.residuals[part].max(HALF_DIGITS);
         let is_short = |part: &usize| self.goals[*part] == StepGoal::Downhill && best.lengths[*part] < 1.0;
         let searches_now = |part: &usize| is_short(part) && searches[*part].next <= self.step;
@@ -66,7 +67,8 @@ impl LowerRank<'_> {
         let rank = |of: &[bool]| parts.fold(0, |rank, r| *rank += usize::from(of[r]));
         let (full, lowest) = (rank(line.kept), rank(&self.independent(line, 0.25)?));
         open.retain(|&part| lowest[part] < full[part]);
-        // A part tries the same powers of four as it does alone.
+        // All parts share one series of tolerances e: powers of four. A part skips those below its residual, so that it tries the same ones
+        // as it would alone.
         let first = open.iter().map(|&part| residual(part)).fold(1.0, f64::min);
         for e in (1..=(-0.5 * first.log2()) as i32).rev().map(|k| f64::from(-2 * k).exp2()) {
             if !open.iter().any(|&part| residual(part) <= e) {
@@ -84,7 +86,8 @@ impl LowerRank<'_> {
         Ok(())
     }
 
-    /// Rows that are independent by more than e. Linear rows do not change.
+    /// Whether each row is independent by more than e, relative to its largest entry. Linear rows do not change, so that all their entries
+    /// count.
     fn independent(&self, line: &StepLine, e: f64) -> Result<Vec<bool>, NewtonError> {
         let (g, units, linear) = (line.from.evaluation.g(), &line.from.scales.units, line.set.linear_rows());
         let largest = |r: usize| g.row(r).map(|(j, v)| (v * units[j]).abs()).fold(0.0, f64::max);
@@ -93,9 +96,9 @@ impl LowerRank<'_> {
         Ok(kept(&linearise_above(floors, line.from.place(line.set), self.prescribed, (self.step, &options))?))
     }
 
-    /// Replaces the steps of the parts `tried` by those that satisfy only `rows`, where these leave less of c and are full or not slow.
+    /// Replaces the steps of the parts `tried` by those that satisfy only `rows`, if these leave less of c and are either full or not slow.
     ///
-    /// A step that is short and slow although it ignores rows shows that these rows are needed.
+    /// A step that is short and slow although it ignores rows shows that the ignored rows are needed.
     fn replace(
         &self,
         line: &mut StepLine,
@@ -120,7 +123,7 @@ impl LowerRank<'_> {
         Ok(())
     }
 
-    /// The step that satisfies only `rows`; `None` if these have no accurate T.
+    /// The step that satisfies only `rows`; `None` if T of these rows cannot be computed accurately.
     fn step_of(&self, line: &StepLine, rows: &[bool]) -> Result<Option<Vec<f64>>, NewtonError> {
         let floors = rows.iter().map(|&row| if row { 0.0 } else { f64::MAX }).collect();
         let options = Options { tolerance: Tolerance::Relative(HALF_DIGITS), ..self.options.clone() };

@@ -4,12 +4,12 @@
 //! redundant there may be independent by an amount of order d. Their values differ from those that the other rows imply by an amount of
 //! order d^2 only. A step that satisfies them is therefore still of order d, and convergence stays quadratic.
 //!
-//! - Convergence is measured in roundings of c, so that the result has all digits that the model allows, in any unit.
-//! - A step is at most as long as a second-order model of c is valid along it.
-//! - If a step is shorter than the full one, or the equations are too nearly dependent for one, a step with a lower rank is tried: it leaves
-//!   out rows that are independent by less than a step changes G.
-//! - Connected parts are iterated together, each with its own step lengths, tolerance and termination. The result of a part does not depend
-//!   on other parts, to the last bit. Prescribed DOFs do not connect parts.
+//! - Convergence is measured in multiples of the rounding of c, so that the result has all digits that the model allows, in any unit.
+//! - A step is at most so long that a second-order model of c is valid along it.
+//! - A step may be shorter than the full one, or the equations too nearly dependent for any. Then a step with a lower rank is tried: it
+//!   ignores rows that are independent by less than a step changes G.
+//! - Connected parts are iterated together, each with its own step lengths and termination. The result of a part does not depend on other
+//!   parts, to the last bit. Prescribed DOFs do not connect parts.
 //! - If G loses rank while c is nonzero (a dead centre), no first-order step exists. A second-order step may; see
 //!   [`NewtonError::Conflict`].
 
@@ -41,8 +41,8 @@ pub use solution::{NewtonIterate, NewtonOptions, NewtonSolution};
 /// Finds `c(u) = 0`, starting from `u`. Prescribed DOFs `(DOF, value)` take their values; among the others, only slaves move in a
 /// first-order step.
 ///
-/// Near a solution the residual falls as `r_(k+1) <= C r_k^2`, also with redundant constraints. If two motions lead away from a dead
-/// centre, the one is taken in which the DOF that moves most, relative to its size, increases.
+/// Near a solution the residual falls as `r_(k+1) <= C r_k^2`, also with redundant constraints. If two opposite motions lead away from a
+/// dead centre, that one is taken in which the DOF with the largest motion, relative to its unit, increases.
 ///
 /// Rotation vectors longer than half a turn are replaced by shorter ones of the same rotation ([`ConstraintSet::shorten_rotations`]),
 /// unless one of their DOFs is prescribed.
@@ -93,7 +93,7 @@ pub(crate) struct PartwiseSolution {
     pub redundant: Vec<usize>,
 }
 
-/// As [`solve`], but parts continue if others fail. The prescribed DOFs are those of `parts`.
+/// As [`solve`], but other parts continue if a part fails. The prescribed DOFs are those that `parts` was made with.
 ///
 /// # Errors
 /// [`NewtonError`] of the whole model.

@@ -26,7 +26,7 @@ pub struct Parts {
 }
 
 impl Parts {
-    /// `together` lists more DOFs that belong together, such as those of a rotation or of an element.
+    /// Finds the parts. Each item of `together` lists DOFs that belong to one part, such as those of a rotation or of an element.
     pub fn new<I>(g: &Csr, prescribed: &[(usize, f64)], together: impl IntoIterator<Item = I>) -> Self
     where
         I: IntoIterator<Item = usize>,
@@ -72,7 +72,7 @@ impl Parts {
         self.of_row[r] as usize
     }
 
-    /// None for prescribed DOFs.
+    /// The part of DOF j; none for prescribed DOFs.
     pub fn of_dof(&self, j: usize) -> Option<usize> {
         Some(self.of_dof[j]).filter(|&part| part != NONE).map(|part| part as usize)
     }

@@ -15,18 +15,18 @@ use super::solution::NewtonOptions;
 use super::solve_each;
 use crate::common::random;
 
-/// Largest motion of a DOF on the way to the second configuration, relative to its reach: G changes by about this fraction, far more than
-/// the rank needs, and far less than a turn.
+/// Largest motion of a DOF on the way to the second configuration, relative to its reach. The constraint Jacobian G changes by about this
+/// fraction: far more than the rank needs, and far less than in a full turn.
 const STEP: f64 = 0.05;
-/// Number of random directions. A singular G allows directions that lead nowhere; each is about as likely as the others.
+/// Number of random directions. If G is singular, it allows directions that lead to no other configuration, so that one try is not enough.
 const TRIES: u64 = 8;
 
 /// Whether an equation that is redundant at u is redundant at other configurations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Redundancy {
-    /// In all configurations nearby, or there are no others: the equation can be removed.
+    /// The equation is redundant in all configurations nearby, or no other configuration exists: it can be removed.
     Everywhere,
-    /// Only in this configuration, which is singular; the equation is needed elsewhere.
+    /// The equation is redundant in this configuration only, which is singular; it is needed elsewhere.
     OnlyHere,
     /// Unknown: Newton's method reached no second configuration.
     Unknown,
@@ -72,7 +72,8 @@ pub fn redundancies(
     Ok(rows.into_iter().zip(found).collect())
 }
 
-/// Equations that are independent here stay independent elsewhere.
+/// Options with which an analysis prefers to keep all equations except `rows`. Equations that are independent here then stay independent
+/// elsewhere.
 fn preferring(options: &NewtonOptions, set: &ConstraintSet, rows: &[usize]) -> NewtonOptions {
     let mut options = options.clone();
     options.analysis.preferences.equations = (0..set.equations()).filter(|row| !rows.contains(row)).collect();
@@ -91,7 +92,7 @@ struct Search<'a> {
 impl Search<'_> {
     fn run(&self, rows: &[usize]) -> Result<Vec<Redundancy>, NewtonError> {
         let argument = |source| NewtonError::Argument { step: 0, source };
-        // If G does not change, there is no other configuration.
+        // If no direction changes G, there is no other configuration to compare with, and the equations count as redundant everywhere.
         let mut found = vec![Redundancy::Everywhere; rows.len()];
         let mut open: Vec<bool> =
             (0..self.parts.list.len()).map(|p| rows.iter().any(|&r| self.parts.of_row(r) == p)).collect();
@@ -103,7 +104,7 @@ impl Search<'_> {
                 .zip(&mut found)
                 .filter(|(r, _)| open[self.parts.of_row(**r)] && moves[self.parts.of_row(**r)]);
             of_moving.for_each(|(_, found)| *found = Redundancy::Unknown);
-            // If one DOF of each part is prescribed, Newton's method can adjust the others.
+            // The second attempt prescribes the new value of one master in each part. Newton's method then adjusts the other DOFs only.
             for driven in [Vec::new(), self.driven(seed, &start)] {
                 let parts = Parts::new(self.here.evaluation.g(), &driven, free_rotations(self.set, &driven));
                 let Ok(there) = solve_each((self.set, &parts), &start, &driven, &self.options) else { continue };
@@ -122,7 +123,7 @@ impl Search<'_> {
         Ok(found)
     }
 
-    /// Whether G of each part at v differs from that here by more than a fraction of its entries.
+    /// For each part, whether its constraint Jacobian G changes from here to v by more than the fraction `least` of its entries.
     fn changes(&self, v: &[f64], least: f64) -> Result<Vec<bool>, ArgumentError> {
         let mut there = self.set.allocate();
         self.set.evaluate(v, &mut there)?;
@@ -135,7 +136,7 @@ impl Search<'_> {
             .collect())
     }
 
-    /// A random motion of each part by [`STEP`].
+    /// u after a random motion of each part, whose largest DOF moves by [`STEP`] times its reach.
     fn start(&self, seed: u64) -> Result<Vec<f64>, ArgumentError> {
         let masters = self.motions.reduction.masters();
         let drawn: Vec<f64> = (0..masters.len() as u64).map(|k| random(seed << 32 | k)).collect();
@@ -147,7 +148,7 @@ impl Search<'_> {
         Ok(u)
     }
 
-    /// One master of each part, with its value.
+    /// One master of each part, chosen by the seed, with its value in `start`.
     fn driven(&self, seed: u64, start: &[f64]) -> Vec<(usize, f64)> {
         let mut masters: Vec<Vec<usize>> = vec![Vec::new(); self.parts.list.len()];
         self.motions

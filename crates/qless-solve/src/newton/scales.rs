@@ -1,39 +1,39 @@
 //! Units S of the DOFs and weights D of the equations, which make them comparable, in any unit of length and angle.
 //!
 //! - `s_j` is the reach of a DOF: how far it moves until a nonlinear c changes by the size of its terms, `1 / max_r (|G_rj| / size_r)`.
-//!   Terms of linear rows vanish with u, so that only the ratios of their entries count: a DOF without nonlinear rows gets the reach of its
-//!   neighbours, or 1.
+//!   Terms of linear rows vanish with u, so that only the ratios of their entries count: a DOF without nonlinear rows gets its reach from
+//!   other DOFs of its linear rows, or 1.
 //! - With suitable weights E of the columns, the geometric mean of `D_r |G_rj| E_j` over each row and column is one (Curtis and Reid 1972).
-//!   Other units change `D_r c_r` by one common factor only. Sizes of terms would not serve: those of `u_0 + |u|^2 / 2` vanish with u, and so
-//!   does c.
+//!   Other units change `D_r c_r` by one common factor only. Sizes of terms would not serve: those of `u_0 + |u|^2 / 2` vanish with u, and
+//!   so does c.
 //!
-//! An entry counts as the size of its terms, known from its rounding, even if they cancel. In each row, the entries of translations of nodes
-//! count as the largest of them, and so do those of rotations: otherwise a rod along an axis would give the DOFs across it a longer reach.
-//! Prescribed DOFs do not move and have no reach. Units are powers of two, which cause no rounding.
+//! For the reach, an entry of a nonlinear row counts as the size of its terms, known from its rounding, even if they cancel. In each row,
+//! the entries of translations of nodes count as the largest of them, and so do those of rotations: otherwise a rod along an axis would
+//! give the DOFs across it a longer reach. Prescribed DOFs do not move and have no reach. Units are powers of two, which cause no rounding.
 
 use qless_constraints::{ConstraintSet, Evaluation, Rounding};
 
 use super::parts::Parts;
 use crate::common::ENTRY_ROUNDING;
 
-/// Most passes over linear rows and over means. What is farther away than so many equations keeps the unit 1 or adds nothing to a mean, which
-/// is correct but less comparable.
+/// Largest number of passes that spread reaches along linear rows, and of passes that balance the weights. A DOF that is more rows away
+/// from a DOF with a reach keeps the unit 1. Results stay correct, but numbers are less comparable.
 const SWEEPS: usize = 20;
 
 /// Scales at one configuration.
 pub struct Scales {
-    /// S, one for each DOF.
+    /// Units S of the DOFs.
     pub units: Vec<f64>,
-    /// D, one for each equation; 0 for an equation whose entries on free DOFs are rounding.
+    /// Weights D of the equations; 0 for an equation whose entries on free DOFs are rounding.
     pub weights: Vec<f64>,
 }
 
-/// Sizes of the entries of G.
+/// Sizes of the entries of the constraint Jacobian G.
 struct Sizes<'a> {
     evaluation: &'a Evaluation,
     rounding: &'a Rounding,
     parts: &'a Parts,
-    /// 0 for DOFs of unknown meaning, 1 for translations of nodes, 2 for rotations.
+    /// The kind of each DOF: 0 for unknown meaning, 1 for translations of nodes, 2 for rotations.
     kinds: Vec<usize>,
 }
 
@@ -53,7 +53,7 @@ impl Scales {
 }
 
 impl Sizes<'_> {
-    /// `(j, size of G_rj)` on free DOFs.
+    /// The entries of row r of G on free DOFs, as `(j, size of G_rj)`.
     fn row(&self, r: usize) -> impl Iterator<Item = (usize, f64)> {
         let own = move || {
             let entries = self.evaluation.g().row(r).zip(self.rounding.of_row(r));
@@ -91,7 +91,7 @@ impl Sizes<'_> {
         steepness.into_iter().map(inverse).collect()
     }
 
-    /// Spreads reaches along the entries of linear rows to DOFs without one.
+    /// Gives a reach to DOFs without one: in each linear row, `|G_rj|` times the reach becomes the largest such product of the row.
     fn spread(&self, rows: std::ops::Range<usize>, reaches: &mut [f64]) {
         for _ in 0..SWEEPS {
             let mut found = false;
@@ -112,7 +112,7 @@ impl Sizes<'_> {
     }
 }
 
-/// Minus the mean of the numbers with each index, and their count.
+/// For each index, the negative mean of the numbers with this index, and how many there are.
 fn average(places: &mut [(f64, f64)], numbers: impl Iterator<Item = (usize, f64)>) {
     places.fill((0.0, 0.0));
     numbers.for_each(|(i, v)| places[i] = (places[i].0 - v, places[i].1 + 1.0));

@@ -1,10 +1,10 @@
 //! Directions out of a singular configuration, to second order: `c_k + z^T Z^T H_k Z z / 2 = 0`.
 //!
-//! In a singular configuration a redundant row is a combination of the others, `y_k^T G = 0`, but its value may not be: `y_k^T c != 0`. No
-//! du changes that to first order. Motions `du = Z z` that the kept rows allow change it by `z^T Z^T (sum_r y_kr H_r) Z z / 2`: the
-//! effective Hessian with the certificate as weights. Let all contradicted rows be combined with the weights `f_k = c_k / rounding_k^2`,
-//! and their effective Hessians H_k to `A = sum_k f_k Z^T H_k Z`. A solution nearby then requires `sum_k f_k c_k + z^T A z / 2 = 0`. Since
-//! the sum is positive, A must have a negative eigenvalue. Its eigenvector is the direction; if there is none, there is no solution nearby.
+//! In a singular configuration a redundant row k is a combination of others, `y_k^T G = 0`, but its value need not be: `y_k^T c != 0`. No
+//! du changes `y_k^T c` to first order. Motions `du = Z z` that the kept rows allow change it by `z^T Z^T H_k Z z / 2` with the effective
+//! Hessian `H_k = sum_r y_kr H_r`. Let all contradicted rows be combined with the weights `f_k = c_k / rounding_k^2`, and their Hessians to
+//! `A = sum_k f_k Z^T H_k Z`. A solution nearby then requires `sum_k f_k c_k + z^T A z / 2 = 0`. The first sum is positive, so A must have
+//! a negative eigenvalue. Its eigenvector is the direction; without one, there is no solution nearby.
 
 use qless::{Analysis, ArgumentError};
 use qless_constraints::ConstraintSet;
@@ -15,8 +15,8 @@ use super::linearisation::{LOST, Motions};
 use super::parts::Parts;
 use super::step::times;
 
-/// For each part, a motion that reduces its contradicted rows, of the length that second order predicts, and whether there is one. If not,
-/// the rows conflict.
+/// For each part with contradicted rows, a motion du that reduces them, of the length that second order predicts; and for each part whether
+/// there is such a motion. Without one, the rows conflict.
 ///
 /// Eigenvalues above minus [`LOST`], relative to the sizes of the terms, do not count as negative.
 pub fn second_order_directions(
@@ -32,7 +32,7 @@ pub fn second_order_directions(
     let part_of = |&j: &usize| parts.of_dof(j).filter(|&part| asked[part]);
     let part_of: Vec<_> = motions.reduction.masters().iter().map(part_of).collect();
     let numbers = KrylovParts { part_of, parts: count };
-    // The kept rows of these parts hold, so that g is zero there.
+    // The kept rows of parts with contradicted rows hold, so that g = 0 in `y_s = T y_q + g`: the curvature is linear in z.
     let curvature = |z: &[f64]| motions.restrict(&times(now.evaluation.h(), &motions.expand(z)?));
     let (values, mut z) = lowest(curvature, &numbers)?;
     let rounding = now.rounding.c();
@@ -51,7 +51,7 @@ pub fn second_order_directions(
     Ok((du, lengths.iter().map(Option::is_some).collect()))
 }
 
-/// In each part, the DOF that moves most, relative to its unit, increases.
+/// Chooses the sign of the motion of each part: the DOF that moves most, relative to its unit, increases.
 fn choose_signs(parts: &Parts, units: &[f64], du: &mut [f64]) {
     for part in &parts.list {
         let most = part
@@ -63,11 +63,11 @@ fn choose_signs(parts: &Parts, units: &[f64], du: &mut [f64]) {
     }
 }
 
-/// Weights and values of the contradicted rows of each part, with `max |f_k| = 1`.
+/// Weights f_k and values c_k of the contradicted rows k, summed for each part and scaled such that `max |f_k| = 1`.
 struct Conflicts {
-    /// `sum_k f_k y_k`.
+    /// `sum_k f_k y_k` over the contradicted rows k, where y_k is row k minus its certificate.
     weights: Vec<f64>,
-    /// `sum_k f_k c_k`.
+    /// For each part, `sum_k f_k c_k` over its contradicted rows k.
     amounts: Vec<f64>,
 }
 

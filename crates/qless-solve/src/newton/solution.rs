@@ -8,11 +8,11 @@ pub struct NewtonOptions {
     /// Largest `|c_r|` of a solution, in multiples of the bound on its rounding
     /// ([`ConstraintSet::rounding`](qless_constraints::ConstraintSet::rounding)). Default 4, at least 1.
     ///
-    /// If c no longer falls, the rounding of the largest terms of its connected part counts, with the weights of
-    /// [`NewtonIterate::residual`]. This holds for rows that demand a negligible motion only: `|c_r| <= 1e-11 sum_j |G_rj| s_j`, where
+    /// If c no longer falls, a row may instead be compared with the rounding of the largest terms of its connected part, with the weights
+    /// of [`NewtonIterate::residual`]. This holds only for a row that demands a negligible motion, `|c_r| <= 1e-11 sum_j |G_rj| s_j`, where
     /// `s_j` is the largest of `|u_j|`, the coordinates that DOF j displaces and, in rotation vectors, one radian.
     pub tolerance: f64,
-    /// Most steps of any part. Default 50.
+    /// Largest number of steps of a part. Default 50.
     pub steps: usize,
     /// How the linearised equations are analysed.
     pub analysis: Options,
@@ -30,7 +30,7 @@ pub struct NewtonIterate {
     /// `max_r D_r |c_r| / max_r D_r size_r`, where size_r is that of the terms of c_r and the weights D make equations comparable. It is
     /// the same in all units; the largest of all connected parts counts.
     pub residual: f64,
-    /// Rank of G.
+    /// Rank of the constraint Jacobian G.
     pub rank: usize,
     /// Equations that the step ignores.
     pub ignored: Vec<usize>,
@@ -42,7 +42,7 @@ pub struct NewtonIterate {
 /// A configuration that satisfies all constraints.
 #[derive(Clone, Debug)]
 pub struct NewtonSolution {
-    /// The DOFs.
+    /// Values of the DOFs.
     pub u: Vec<f64>,
     /// All iterates; the last one is the solution.
     pub iterates: Vec<NewtonIterate>,

@@ -1,9 +1,9 @@
 //! Step length along du: as far as a second-order model describes c and c gets smaller, for each part separately.
 //!
 //! At a trial point `u + t du` both c and G are known, so that the curvature along du needs no Hessian. With `g = G du` at the start and
-//! `g'` at the trial point, second order predicts `c' = c + t (g + g') / 2`; the difference to the actual c' is of third order. If it is
-//! not small compared with the second order, t is too long. This detects a crank that would turn by a million radians: g' grows with du,
-//! but c' does not.
+//! `g'` at the trial point, second order predicts `c' = c + t (g + g') / 2`. The difference to the actual c' is of third order. If it is
+//! not small compared with the first and second order, t is too long. This detects a crank that would turn by a million radians: g' grows
+//! with du, but c' does not.
 //!
 //! All parts try their lengths together, so that one evaluation serves all. Parts that have found their length keep it.
 
@@ -22,32 +22,33 @@ const SHARE: f64 = 0.25;
 pub enum StepGoal {
     /// No step: all equations of the part hold, or the part has failed.
     Done,
-    /// Smaller residuals of the kept equations, or residuals within the tolerance.
+    /// The part reduces the residuals of its kept equations, or brings them within the tolerance.
     Downhill,
-    /// A way out of a singular configuration: a length that the second-order model describes.
+    /// The part leaves a singular configuration, by a step length at which the second-order model describes c.
     Out,
 }
 
-/// A configuration and a direction.
+/// A configuration u and a direction du from it.
 pub struct StepLine<'a> {
     pub set: &'a ConstraintSet,
     pub parts: &'a Parts,
     pub from: &'a Configuration,
-    /// Which equations are independent.
+    /// For each equation, whether it is independent.
     pub kept: &'a [bool],
     pub tolerance: f64,
     pub du: Vec<f64>,
 }
 
-/// A step of length t is accepted only if the merit function falls by at least this fraction times t: almost any decrease that is clearly
-/// above rounding.
+/// A step of length t is accepted only if the merit function falls by at least this fraction times t. Almost any decrease that is clearly
+/// above rounding is enough.
 const DECREASE: f64 = 1e-4;
 
 /// How far each part moves along du.
 pub struct StepLengths {
-    /// t, relative to du; 0 for parts that do not move.
+    /// For each part, its step length t: it moves by t du. Parts with t = 0 do not move.
     pub lengths: Vec<f64>,
-    /// The fraction of the merit function that the step leaves: 0 if the kept equations then hold, 1 without a step.
+    /// For each part, the fraction of the merit function `sum_r D_r^2 c_r^2` that the step leaves: 0 if the kept equations then hold, 1
+    /// without a step.
     pub left: Vec<f64>,
 }
 
@@ -57,15 +58,15 @@ struct TrialVerdict {
     trusted: bool,
     /// All kept equations hold to the tolerance.
     holds: bool,
-    /// `sum_r D_r^2 c_r^2` over the kept equations.
+    /// The merit function `sum_r D_r^2 c_r^2` over the kept equations, with the weights D, at the trial point.
     now: f64,
-    /// Coefficients of `sum_r D_r^2 (c_r + t g_r + t^2 q_r)^2`, from t^0 to t^4.
+    /// The merit function along the step by the second-order model `c_r + t g_r + t^2 q_r`, with `g = G du`: coefficients from t^0 to t^4.
     model: [f64; 5],
 }
 
 impl StepLine<'_> {
-    /// The first acceptable t of each part from 1 downwards, 0 for parts that are done or find none that moves them; and the fraction of the
-    /// merit function that it leaves.
+    /// Finds the first acceptable length t of each part, from 1 downwards, and the fraction of the merit function that it leaves. The
+    /// length is 0 for parts that are done, or that no acceptable t moves.
     pub fn lengths(&self, goals: &[StepGoal], buffer: &mut Evaluation) -> Result<StepLengths, ArgumentError> {
         let slope = times(self.from.evaluation.g(), &self.du);
         let mut open: Vec<bool> = goals.iter().map(|&goal| goal != StepGoal::Done).collect();
@@ -100,7 +101,8 @@ impl StepLine<'_> {
         self.from.u.iter().zip(&self.du).enumerate().map(moved).collect()
     }
 
-    /// Verdicts of parts that are not open are meaningless. `slopes` are `G du` at the start and at the trial point.
+    /// Tests the trial point of each open part; the verdicts of other parts are meaningless. `slopes` are `G du` at the start and at the
+    /// trial point.
     fn verdicts(
         &self,
         (now, slope, slope_now): (&[f64], &[f64], &[f64]),
@@ -134,7 +136,7 @@ impl StepLine<'_> {
     }
 }
 
-/// The t that minimises the polynomial, among `last / 2`, `last / 4` and so on.
+/// The t that minimises the polynomial `model`, among `last / 2`, `last / 4` and so on.
 fn lowest(model: &[f64; 5], last: f64) -> f64 {
     let value = |t: f64| model.iter().rev().fold(0.0, |sum, a| sum * t + a);
     let candidates = std::iter::successors(Some(0.5 * last), |t| Some(0.5 * t)).take(40);

@@ -48,7 +48,7 @@ impl Headline {
     }
 }
 
-/// What keeps the solver from the solution of the deck, in any load case.
+/// Sentences about reactions that keep the solver from the solution of the deck, in any load case.
 fn of_solver(deck: &DeckInput) -> Vec<String> {
     let (solver, claims) = (deck.deck.solver(), deck.claims());
     let reasons = |list: &[String]| count(list.len(), "reason");

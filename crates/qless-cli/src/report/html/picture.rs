@@ -11,7 +11,8 @@ use crate::diagnose::Diagnosis;
 
 /// Largest number of cells along each side of the picture of the pattern.
 const CELLS: usize = 160;
-/// Limit on the nodes drawn besides those of dependent equations and their explanations. They show the shape of the model.
+/// Limit on the nodes that are drawn besides those of dependent equations and their explanations. The additional nodes show the shape of
+/// the model.
 const OTHERS: usize = 5000;
 
 #[derive(Serialize)]

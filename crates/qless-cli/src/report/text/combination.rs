@@ -36,7 +36,7 @@ pub fn lines(
     if flowed.used == members.len() {
         return flowed.lines;
     }
-    // Not all members fit: show prescribed values, and the largest equations.
+    // If not all members fit, prescribed values come first, then the largest equations.
     let flowed = fill(&largest(equations, members));
     let more = members.len() - flowed.used;
     flowed.finish(&format!(" + ... and {more} more"))

@@ -13,10 +13,10 @@ use super::combination;
 use crate::diagnose::Diagnosis;
 use crate::wording::{self, EquationLookup, count, rough};
 
-/// A remainder of a dropped equation may be rounding if its relative size is at most this. A smaller tolerance would count rounding as
-/// data.
+/// Largest relative difference between a dropped equation and its combination that may be rounding. A tolerance below this number would
+/// count rounding as data.
 const ROUNDING: f64 = 1e-13;
-/// Relative mismatches between these limits are doubtful.
+/// A mismatch is doubtful if its relative size is between these limits: it may be rounding, or meant.
 const DOUBTFUL: [f64; 2] = [1e-12, 1e-6];
 
 /// The rank and how certain it is. If the rank is ambiguous, advice follows.
@@ -61,8 +61,8 @@ fn dropped(report: &Report) -> Option<String> {
     (!report.dependent.is_empty()).then(|| "What was dropped agrees to rounding.".to_owned())
 }
 
-/// At most two reasons for doubt, each with advice; if equations have no proof, only their number. If exact arithmetic has another result,
-/// one more line says so.
+/// At most two reasons for doubt, each with advice. If equations have no proof, a line with their number replaces the reasons. If exact
+/// arithmetic has another result, one more line says so.
 fn advice(list: &EquationList, report: &Report) -> Vec<String> {
     let reasons = [nearly_dependent(report), remainder(list), other_reading(report), small_mismatch(list)];
     let mut lines: Vec<String> = reasons.into_iter().flatten().take(2).collect();
@@ -100,7 +100,7 @@ fn nearly_dependent(report: &Report) -> Option<String> {
 fn remainder(list: &EquationList) -> Option<String> {
     let equation = list.dependent.iter().max_by(|a, b| a.dropped.total_cmp(&b.dropped))?;
     let (name, dropped) = (wording::equation(list.equations, equation.row), equation.dropped);
-    // With a smaller tolerance, rounding errors would make equations independent.
+    // A tolerance below the rounding errors would make dependent equations independent, so it is not advised.
     let advice = if dropped > ROUNDING {
         format!("If that is meant: --tolerance {}", rough(dropped / 10.0))
     } else {
@@ -109,7 +109,8 @@ fn remainder(list: &EquationList) -> Option<String> {
     (dropped > 0.0).then(|| format!("  {name} is not quite its combination. {advice}"))
 }
 
-/// The line about numbers that may be rounding: the rank and the conflicts if they are read the other way, and the option that decides.
+/// The line about numbers that may be rounding. It has the rank and the number of conflicts for the reading that the analysis did not use
+/// (as zeros or as given), and the option that decides.
 fn other_reading(report: &Report) -> Option<String> {
     let other = report.other_reading.as_ref()?;
     let terms = count(other.coefficients.len(), "coefficient");

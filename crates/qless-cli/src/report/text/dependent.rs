@@ -18,7 +18,7 @@ pub fn section(list: &EquationList, kind: Kind, most: usize) -> Vec<String> {
         return Vec::new();
     }
     let mut lines = vec![heading(kind).to_owned()];
-    // One line for each kind of equation without free DOFs: many of them would hide the others.
+    // Equations without free DOFs get one line for each reason: many of them would hide the others.
     let of_kind = if kind == Kind::Redundant { group(list, of_kind, &mut lines) } else { of_kind };
     let groups = origins(list, &of_kind);
     let mut shown = 0;
@@ -59,7 +59,7 @@ fn alike(list: &EquationList, group: &[&DependentRow]) -> Option<String> {
     Some(rows(&format!("      so {verb} {number} more{what}: row{}", if number == 1 { "" } else { "s" }), others))
 }
 
-/// Up to this many equations are not grouped.
+/// A kind with at most this many equations is not grouped: each equation is shown.
 const SINGLE: usize = 2;
 
 /// Collects equations that are dependent without others into one line for each reason, if there are several; returns the others.
@@ -115,7 +115,8 @@ fn tolerance(tolerance: Tolerance) -> f64 {
     if let Tolerance::Relative(value) = tolerance { value } else { 1e-5 }
 }
 
-/// The given and the consistent right-hand side. This replaces the arithmetic of the explanation if no process holds the whole system.
+/// The line about the given and the required right-hand side. It replaces the sum of the explanation's right-hand sides, for which the
+/// whole system would be needed.
 fn mismatch(equations: &dyn EquationLookup, dependent: &DependentRow, is_alone: bool) -> String {
     let facts = equations.facts(dependent.row);
     let found = facts.rhs;

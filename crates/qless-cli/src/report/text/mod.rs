@@ -118,7 +118,7 @@ pub fn whole(
 /// Dependent equations in about `most` lines; one conflict is always explained in full.
 fn dependent(list: &EquationList, report: &Report, most: usize) -> Vec<String> {
     let both = report.counts.conflicting > 0 && report.counts.redundant > 0;
-    // One conflict has its heading, four lines of members and its arithmetic; the last line counts the others.
+    // One explained conflict takes six lines: the heading, four lines of members, and its arithmetic. One more line counts the others.
     let (conflicting, redundant) = if both { (6, 3) } else { (10.min(most).max(7), 9) };
     let mut lines = dependent::section(list, Kind::Conflicting, conflicting);
     lines.extend(dependent::section(list, Kind::Redundant, redundant.min(most.saturating_sub(lines.len())).max(3)));

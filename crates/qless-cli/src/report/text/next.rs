@@ -72,7 +72,7 @@ fn changed(list: &EquationList, restored: usize) -> String {
     )
 }
 
-/// Largest number of repairs that are shown, and of changes in each.
+/// Largest number of repairs that are shown, and of changes that are shown in each.
 const REPAIRS: usize = 3;
 
 /// The repairs of conflicts, or one line of other advice.
@@ -92,7 +92,7 @@ fn next(list: &EquationList, report: &Report, obstacle: Option<&str>) -> Vec<Str
     lines
 }
 
-/// The most plausible way to cure some conflicts, and the number of other ways.
+/// The most plausible repair of some conflicts, and the number of other repairs.
 fn repair_lines(repair: &RepairFinding) -> Vec<String> {
     let way = &repair.ways[0];
     let shown = way.iter().take(REPAIRS).map(|one| change(one, label));

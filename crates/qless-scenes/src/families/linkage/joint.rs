@@ -7,7 +7,7 @@ use crate::families::sums::Terms;
 /// Kinds of joints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum JointKind {
-    /// Revolute joint, with its axis normal to the plane.
+    /// Revolute joint, whose axis is normal to the plane of the net.
     Hinge,
     /// Spherical joint.
     Ball,

@@ -19,7 +19,7 @@ pub struct Side {
     pub(super) degree: Degree,
 }
 
-/// Shorter elements would lose digits in the integrals.
+/// Least length of an element. Shorter elements would lose digits in the integrals.
 const SHORTEST: f64 = 1.0 / (1 << 30) as f64;
 
 impl Side {

@@ -33,7 +33,7 @@ impl PatchFace {
         }
     }
 
-    /// `[N_k, dN_k / dxi, dN_k / deta]` for each corner k; for a triangle, zeros follow.
+    /// `[N_k, dN_k / dxi, dN_k / deta]` for each corner k. A triangle has three corners, and its fourth function is zero.
     pub(in super::super) fn functions(&self, [xi, eta]: [f64; 2]) -> [Function; 4] {
         match self {
             Self::Triangle(_) => [[1.0 - xi - eta, -1.0, -1.0], [xi, 1.0, 0.0], [eta, 0.0, 1.0], [0.0; 3]],

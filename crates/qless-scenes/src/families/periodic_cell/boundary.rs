@@ -66,7 +66,8 @@ impl Boundary {
         let strip = |[along, end]: [usize; 2]| {
             let (step, first) = [(1, end * width * (width - 1)), (width, end * (width - 1))][along];
             let direction = (axis + 1 + along) % 3;
-            // The bits of an edge refer to the two axes after its own; the bit along the axis of the near side is 0.
+            // An edge is numbered by two bits: its positions along the two axes after its own. The axis of the near side is one of the two,
+            // with the bit 0.
             let bits = [end, 2 * end][along];
             let placed = |node: usize| (node, self.nodes[node][direction]);
             let outer: Vec<_> = edges[4 * direction + bits].iter().map(|&node| placed(node)).collect();

@@ -51,7 +51,7 @@ pub struct PeriodicCell {
     pub edges: Edges,
 }
 
-/// Smaller weights come from the rounding of positions and are dropped.
+/// Interpolation weights up to this size come from the rounding of positions and are dropped.
 const NOTHING: f64 = 1e-12;
 
 impl PeriodicCell {
