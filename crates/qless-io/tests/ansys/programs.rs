@@ -85,6 +85,14 @@ fn what_is_not_followed_constrains_perhaps() {
             "2: SOLVE is in *IF, *DO or *CREATE, and it is not known whether it is executed",
         ),
         ("CE,1,0,1,UX,1\n*REPEAT,4,1\n", "2: *REPEAT is not followed"),
+        (
+            "*DO,I,1,3\n*IF,NX(1),EQ,0,THEN\n*EXIT\n*ENDIF\nD,7,UX\n*ENDDO\n",
+            "5: D is in *IF, *DO or *CREATE, and it is not known whether it is executed",
+        ),
+        (
+            "*DO,I,1,3\n*IF,NX(1),EQ,0,THEN\n*IF,1,EQ,1,CYCLE\n*ENDIF\nD,7,UX\n*ENDDO\n",
+            "5: D is in *IF, *DO or *CREATE, and it is not known whether it is executed",
+        ),
     ] {
         let found = left_out(text);
         assert!(found.len() == 1 && found[0].starts_with(expected), "{text:?}: {found:?}");

@@ -217,8 +217,10 @@ impl FlowControl {
     /// Skips the rest of the current iteration of the innermost loop, including the blocks inside it. Unless `cycles`, skips all
     /// further iterations, too.
     fn leave(&mut self, cycles: bool) {
-        if self.state() != Execution::Executed {
-            return;
+        match self.state() {
+            Execution::Skipped => return,
+            Execution::Unknown => return self.forget_loops(),
+            Execution::Executed => {}
         }
         let Some(at) = self.blocks.iter().rposition(|block| matches!(block, FlowBlock::Loop(_))) else { return };
         match &mut self.blocks[at] {
