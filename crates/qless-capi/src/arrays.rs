@@ -32,6 +32,32 @@ impl CIndex for i64 {
     }
 }
 
+/// Defines a function of C for both index types: `narrow` where I is `i32`, and `narrow_64` where I is `i64`.
+macro_rules! for_both_indices {
+    ($wide:ident = $(#[$doc:meta])* pub unsafe extern "C" fn $narrow:ident<$I:ident>($($arguments:tt)*) -> c_int $body:block) => {
+        mod $narrow {
+            use super::*;
+            type $I = i32;
+            $(#[$doc])*
+            #[unsafe(no_mangle)]
+            pub unsafe extern "C" fn $narrow($($arguments)*) -> c_int $body
+        }
+        mod $wide {
+            use super::*;
+            type $I = i64;
+            #[doc = concat!("[`", stringify!($narrow), "`](super::", stringify!($narrow), ") with 64-bit indices.")]
+            ///
+            /// # Safety
+            #[doc = concat!("As [`", stringify!($narrow), "`](super::", stringify!($narrow), ").")]
+            #[unsafe(no_mangle)]
+            pub unsafe extern "C" fn $wide($($arguments)*) -> c_int $body
+        }
+        pub use $narrow::$narrow;
+        pub use $wide::$wide;
+    };
+}
+pub(crate) use for_both_indices;
+
 /// Whether indices count from 0 or from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct IndexBase(usize);
@@ -61,9 +87,14 @@ impl IndexBase {
         usize::try_from(from_zero).map_err(|_| below())
     }
 
+    /// Converts a list of indices.
+    pub fn read_all<I: CIndex>(self, list: &[I], what: &str) -> Result<Vec<usize>, CallFailure> {
+        list.iter().map(|&index| self.read(index, what)).collect()
+    }
+
     /// Converts starts of compressed lines; they ascend from the base.
     pub fn starts<I: CIndex>(self, starts: &[I]) -> Result<Vec<usize>, CallFailure> {
-        let starts = starts.iter().map(|&start| self.read(start, "a start")).collect::<Result<Vec<_>, _>>()?;
+        let starts = self.read_all(starts, "a start")?;
         if starts[0] != 0 || starts.windows(2).any(|pair| pair[0] > pair[1]) {
             return Err(CallFailure::input("starts must begin at the base and never decrease"));
         }

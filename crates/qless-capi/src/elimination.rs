@@ -6,7 +6,7 @@ use std::sync::{Arc, RwLock, RwLockReadGuard};
 use qless::{Csr, Elimination, Form};
 
 use crate::analysis;
-use crate::arrays::{CIndex, IndexBase, set, write};
+use crate::arrays::{CIndex, IndexBase, for_both_indices, set, write};
 use crate::handles::{get, insert, qless_analysis, qless_elimination, remove, unharmed};
 use crate::status::{CallFailure, OK, guard};
 
@@ -78,48 +78,33 @@ pub unsafe extern "C" fn qless_sizes(
     })
 }
 
-/// # Safety
-/// The arrays have room for as many numbers as [`qless_sizes`] says.
-unsafe fn dofs<I: CIndex>(elimination: *const qless_elimination, arrays: [*mut I; 3]) -> Result<c_int, CallFailure> {
-    let held: Arc<HeldElimination> = get(elimination)?;
-    let known = held.read()?;
-    let lists = [("slaves", known.slaves()), ("masters", known.masters()), ("prescribed", known.prescribed())];
-    for ((what, list), array) in lists.into_iter().zip(arrays).filter(|(_, array)| !array.is_null()) {
-        // SAFETY: the caller upholds the contract.
-        let out = unsafe { write(what, array, list.len() as i64, list.len()) }?;
-        held.base.write(list.iter().copied(), out)?;
+for_both_indices! { qless_dofs_64 =
+    /// Slaves, masters and prescribed DOFs, each ascending; null for a list that is not wanted.
+    ///
+    /// # Safety
+    /// The arrays are null or have room for as many numbers as [`qless_sizes`] says.
+    pub unsafe extern "C" fn qless_dofs<I>(
+        elimination: *const qless_elimination,
+        slaves: *mut I,
+        masters: *mut I,
+        prescribed: *mut I,
+    ) -> c_int {
+        guard(|| {
+            let held: Arc<HeldElimination> = get(elimination)?;
+            let known = held.read()?;
+            let lists = [
+                ("slaves", slaves, known.slaves()),
+                ("masters", masters, known.masters()),
+                ("prescribed", prescribed, known.prescribed()),
+            ];
+            for (what, array, list) in lists.into_iter().filter(|(_, array, _)| !array.is_null()) {
+                // SAFETY: the caller upholds the contract.
+                let out = unsafe { write(what, array, list.len() as i64, list.len()) }?;
+                held.base.write(list.iter().copied(), out)?;
+            }
+            Ok(OK)
+        })
     }
-    Ok(OK)
-}
-
-/// Slaves, masters and prescribed DOFs, each ascending; null for a list that is not wanted.
-///
-/// # Safety
-/// The arrays are null or have room for as many numbers as [`qless_sizes`] says.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn qless_dofs(
-    elimination: *const qless_elimination,
-    slaves: *mut i32,
-    masters: *mut i32,
-    prescribed: *mut i32,
-) -> c_int {
-    // SAFETY: the caller upholds the contract.
-    guard(|| unsafe { dofs(elimination, [slaves, masters, prescribed]) })
-}
-
-/// [`qless_dofs`] with 64-bit indices.
-///
-/// # Safety
-/// As [`qless_dofs`].
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn qless_dofs_64(
-    elimination: *const qless_elimination,
-    slaves: *mut i64,
-    masters: *mut i64,
-    prescribed: *mut i64,
-) -> c_int {
-    // SAFETY: the caller upholds the contract.
-    guard(|| unsafe { dofs(elimination, [slaves, masters, prescribed]) })
 }
 
 /// # Safety
@@ -146,76 +131,42 @@ unsafe fn rows<I: CIndex>(
     Ok(OK)
 }
 
-/// T in compressed rows: row i is slave i, column q is master q.
-///
-/// # Safety
-/// `starts` has room for one number more than there are slaves; `columns` and `values` for the entries of T.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn qless_t(
-    elimination: *const qless_elimination,
-    starts: *mut i32,
-    columns: *mut i32,
-    values: *mut f64,
-) -> c_int {
-    guard(|| {
-        let held: Arc<HeldElimination> = get(elimination)?;
-        // SAFETY: the caller upholds the contract.
-        unsafe { rows(held.read()?.reduction().t(), held.base, starts, columns, values) }
-    })
+for_both_indices! { qless_t_64 =
+    /// T in compressed rows: row i is slave i, column q is master q.
+    ///
+    /// # Safety
+    /// `starts` has room for one number more than there are slaves; `columns` and `values` for the entries of T.
+    pub unsafe extern "C" fn qless_t<I>(
+        elimination: *const qless_elimination,
+        starts: *mut I,
+        columns: *mut I,
+        values: *mut f64,
+    ) -> c_int {
+        guard(|| {
+            let held: Arc<HeldElimination> = get(elimination)?;
+            // SAFETY: the caller upholds the contract.
+            unsafe { rows(held.read()?.reduction().t(), held.base, starts, columns, values) }
+        })
+    }
 }
 
-/// [`qless_t`] with 64-bit indices.
-///
-/// # Safety
-/// As [`qless_t`].
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn qless_t_64(
-    elimination: *const qless_elimination,
-    starts: *mut i64,
-    columns: *mut i64,
-    values: *mut f64,
-) -> c_int {
-    guard(|| {
-        let held: Arc<HeldElimination> = get(elimination)?;
-        // SAFETY: the caller upholds the contract.
-        unsafe { rows(held.read()?.reduction().t(), held.base, starts, columns, values) }
-    })
-}
-
-/// G in compressed rows: row i is slave i, column p is prescribed DOF p.
-///
-/// # Safety
-/// As [`qless_t`], with the entries of G.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn qless_g_matrix(
-    elimination: *const qless_elimination,
-    starts: *mut i32,
-    columns: *mut i32,
-    values: *mut f64,
-) -> c_int {
-    guard(|| {
-        let held: Arc<HeldElimination> = get(elimination)?;
-        // SAFETY: the caller upholds the contract.
-        unsafe { rows(held.read()?.reduction().g_matrix(), held.base, starts, columns, values) }
-    })
-}
-
-/// [`qless_g_matrix`] with 64-bit indices.
-///
-/// # Safety
-/// As [`qless_g_matrix`].
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn qless_g_matrix_64(
-    elimination: *const qless_elimination,
-    starts: *mut i64,
-    columns: *mut i64,
-    values: *mut f64,
-) -> c_int {
-    guard(|| {
-        let held: Arc<HeldElimination> = get(elimination)?;
-        // SAFETY: the caller upholds the contract.
-        unsafe { rows(held.read()?.reduction().g_matrix(), held.base, starts, columns, values) }
-    })
+for_both_indices! { qless_g_matrix_64 =
+    /// G in compressed rows: row i is slave i, column p is prescribed DOF p.
+    ///
+    /// # Safety
+    /// As [`qless_t`](super::qless_t), with the entries of G.
+    pub unsafe extern "C" fn qless_g_matrix<I>(
+        elimination: *const qless_elimination,
+        starts: *mut I,
+        columns: *mut I,
+        values: *mut f64,
+    ) -> c_int {
+        guard(|| {
+            let held: Arc<HeldElimination> = get(elimination)?;
+            // SAFETY: the caller upholds the contract.
+            unsafe { rows(held.read()?.reduction().g_matrix(), held.base, starts, columns, values) }
+        })
+    }
 }
 
 /// g, one number per slave, for the current b and prescribed values.

@@ -7,7 +7,7 @@ use qless::Doubt;
 use qless::explanation::{Explanation, Member, Number};
 
 use crate::analysis::HeldAnalysis;
-use crate::arrays::{CIndex, has_room, set, write, write_text};
+use crate::arrays::{for_both_indices, has_room, set, write, write_text};
 use crate::handles::{get, qless_analysis};
 use crate::status::{CallFailure, OK, guard};
 
@@ -28,57 +28,32 @@ pub struct qless_member {
     pub coefficient: f64,
 }
 
-/// # Safety
-/// The arrays have room for `room` numbers, and `count` may be written.
-unsafe fn fixed<I: CIndex>(
-    analysis: *const qless_analysis,
-    (dofs, values): (*mut I, *mut f64),
-    room: i64,
-    count: *mut i64,
-) -> Result<c_int, CallFailure> {
-    let held: Arc<HeldAnalysis> = get(analysis)?;
-    let found = held.analysis.generated();
-    // SAFETY: the caller upholds the contract, here and below.
-    if unsafe { has_room(found.len(), room, "count", count) }? {
-        let needed = found.len();
-        let (dofs, values) =
-            unsafe { (write("dofs", dofs, needed as i64, needed)?, write("values", values, needed as i64, needed)?) };
-        held.base.write(found.iter().map(|&(dof, _)| dof), dofs)?;
-        values.iter_mut().zip(found).for_each(|(out, &(_, value))| *out = value);
+for_both_indices! { qless_fixed_64 =
+    /// The free DOFs that the equations fix, and their values.
+    ///
+    /// # Safety
+    /// The arrays have room for `room` numbers, and `count` may be written.
+    pub unsafe extern "C" fn qless_fixed<I>(
+        analysis: *const qless_analysis,
+        dofs: *mut I,
+        values: *mut f64,
+        room: i64,
+        count: *mut i64,
+    ) -> c_int {
+        guard(|| {
+            let held: Arc<HeldAnalysis> = get(analysis)?;
+            let found = held.analysis.generated();
+            // SAFETY: the caller upholds the contract, here and below.
+            if unsafe { has_room(found.len(), room, "count", count) }? {
+                let needed = found.len() as i64;
+                let (dofs, values) =
+                    unsafe { (write("dofs", dofs, needed, found.len())?, write("values", values, needed, found.len())?) };
+                held.base.write(found.iter().map(|&(dof, _)| dof), dofs)?;
+                values.iter_mut().zip(found).for_each(|(out, &(_, value))| *out = value);
+            }
+            Ok(OK)
+        })
     }
-    Ok(OK)
-}
-
-/// The free DOFs that the equations fix, and their values.
-///
-/// # Safety
-/// The arrays have room for `room` numbers, and `count` may be written.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn qless_fixed(
-    analysis: *const qless_analysis,
-    dofs: *mut i32,
-    values: *mut f64,
-    room: i64,
-    count: *mut i64,
-) -> c_int {
-    // SAFETY: the caller upholds the contract.
-    guard(|| unsafe { fixed(analysis, (dofs, values), room, count) })
-}
-
-/// [`qless_fixed`] with 64-bit indices.
-///
-/// # Safety
-/// As [`qless_fixed`].
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn qless_fixed_64(
-    analysis: *const qless_analysis,
-    dofs: *mut i64,
-    values: *mut f64,
-    room: i64,
-    count: *mut i64,
-) -> c_int {
-    // SAFETY: the caller upholds the contract.
-    guard(|| unsafe { fixed(analysis, (dofs, values), room, count) })
 }
 
 /// Few equations and prescribed values whose sum is a dependent equation or the value of a fixed DOF.
