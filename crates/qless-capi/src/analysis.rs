@@ -7,7 +7,7 @@ use qless::explanation::Repair;
 use qless::{Analysis, Kind, SystemBuilder, analyse};
 
 use crate::arrays::{IndexBase, for_both_indices, has_room, length, read, set, write};
-use crate::handles::{get, insert, qless_analysis, qless_options, remove};
+use crate::handles::{insert, on, qless_analysis, qless_options, remove};
 use crate::options;
 use crate::status::{AMBIGUOUS, CallFailure, OK, guard};
 
@@ -104,8 +104,7 @@ pub unsafe extern "C" fn qless_counts(
     redundant: *mut i64,
     conflicting: *mut i64,
 ) -> c_int {
-    guard(|| {
-        let held: Arc<HeldAnalysis> = get(analysis)?;
+    on(analysis, |held: Arc<HeldAnalysis>| {
         let found = &held.analysis;
         let count = |kind: Kind| found.dependent().iter().filter(|d| d.kind == kind).count();
         let counts = [
@@ -116,8 +115,7 @@ pub unsafe extern "C" fn qless_counts(
             ("conflicting", conflicting, count(Kind::Conflicting)),
         ];
         // SAFETY: the caller upholds the contract.
-        counts.into_iter().try_for_each(|(what, place, count)| unsafe { set(what, place, count as i64) })?;
-        Ok(OK)
+        counts.into_iter().try_for_each(|(what, place, count)| unsafe { set(what, place, count as i64) })
     })
 }
 
@@ -127,8 +125,7 @@ pub unsafe extern "C" fn qless_counts(
 /// `kinds` has room for `length` numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn qless_kinds(analysis: *const qless_analysis, kinds: *mut i8, length: i64) -> c_int {
-    guard(|| {
-        let held: Arc<HeldAnalysis> = get(analysis)?;
+    on(analysis, |held: Arc<HeldAnalysis>| {
         // SAFETY: the caller upholds the contract.
         let out = unsafe { write("kinds", kinds, length, held.analysis.kinds().len()) }?;
         for (out, kind) in out.iter_mut().zip(held.analysis.kinds()) {
@@ -138,7 +135,7 @@ pub unsafe extern "C" fn qless_kinds(analysis: *const qless_analysis, kinds: *mu
                 Kind::Conflicting => 2,
             };
         }
-        Ok(OK)
+        Ok(())
     })
 }
 
@@ -153,8 +150,7 @@ pub unsafe extern "C" fn qless_digits(
     dropped: *mut f64,
     ambiguous: *mut c_int,
 ) -> c_int {
-    guard(|| {
-        let held: Arc<HeldAnalysis> = get(analysis)?;
+    on(analysis, |held: Arc<HeldAnalysis>| {
         let confidence = held.analysis.confidence();
         // SAFETY: the caller upholds the contract.
         unsafe {
@@ -162,7 +158,7 @@ pub unsafe extern "C" fn qless_digits(
             set("dropped", dropped, confidence.digits_dropped())?;
             set("ambiguous", ambiguous, c_int::from(confidence.ambiguous))?;
         }
-        Ok(OK)
+        Ok(())
     })
 }
 
@@ -179,8 +175,7 @@ for_both_indices! { qless_explanation_64 =
         room: i64,
         count: *mut i64,
     ) -> c_int {
-        guard(|| {
-            let held: Arc<HeldAnalysis> = get(analysis)?;
+        on(analysis, |held: Arc<HeldAnalysis>| {
             let terms = held.analysis.because(held.base.read(row, "the row")?)?;
             // SAFETY: the caller upholds the contract, here and below.
             if unsafe { has_room(terms.len(), room, "count", count) }? {
@@ -190,7 +185,7 @@ for_both_indices! { qless_explanation_64 =
                 let out = unsafe { write("coefficients", coefficients, needed, terms.len()) }?;
                 out.iter_mut().zip(&terms).for_each(|(out, term)| *out = term.coefficient);
             }
-            Ok(OK)
+            Ok(())
         })
     }
 }

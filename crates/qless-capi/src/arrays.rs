@@ -4,7 +4,7 @@ use std::ffi::{CStr, c_char, c_int};
 
 use qless::elimination::Index;
 
-use crate::status::{CallFailure, OK};
+use crate::status::CallFailure;
 
 /// An index type of C.
 pub trait CIndex: Index {
@@ -210,7 +210,7 @@ pub unsafe fn has_room(needed: usize, room: i64, what: &str, size: *mut i64) -> 
 ///
 /// # Safety
 /// `out` is null or has room for `room` bytes, and `length` is null or may be written.
-pub unsafe fn write_text(text: &str, out: *mut c_char, room: i64, length: *mut i64) -> Result<c_int, CallFailure> {
+pub unsafe fn write_text(text: &str, out: *mut c_char, room: i64, length: *mut i64) -> Result<(), CallFailure> {
     let needed = text.len() + 1;
     // SAFETY: the caller upholds the contract, here and below.
     if unsafe { has_room(needed, room, "length", length) }? {
@@ -219,5 +219,5 @@ pub unsafe fn write_text(text: &str, out: *mut c_char, room: i64, length: *mut i
         let bytes = text.bytes().map(|byte| if byte == 0 { b' ' } else { byte });
         out.iter_mut().zip(bytes.chain([0])).for_each(|(out, byte)| *out = byte as c_char);
     }
-    Ok(OK)
+    Ok(())
 }

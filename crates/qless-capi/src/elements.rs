@@ -5,9 +5,9 @@ use std::sync::{Arc, OnceLock};
 
 use crate::arrays::{for_both_indices, length, read, write};
 use crate::elimination::HeldElimination;
-use crate::handles::{get, insert, qless_elimination, qless_pattern};
+use crate::handles::{insert, on, qless_elimination, qless_pattern};
 use crate::pattern::{ElementDofs, HeldPattern, prescribed_dofs};
-use crate::status::{CallFailure, OK, guard};
+use crate::status::CallFailure;
 
 /// Adds `K_e` by rows and `f_e` of an element to zeros; another result than 0 stops the assembly.
 #[expect(non_camel_case_types, reason = "a name of C")]
@@ -27,8 +27,7 @@ for_both_indices! { qless_condensed_for_elements_64 =
         dofs: *const I,
         pattern: *mut *mut qless_pattern,
     ) -> c_int {
-        guard(|| {
-            let elimination: Arc<HeldElimination> = get(elimination)?;
+        on(elimination, |elimination: Arc<HeldElimination>| {
             let base = elimination.base;
             let count = length("the number of elements", elements)?;
             // SAFETY: the caller upholds the contract, here and below.
@@ -38,8 +37,7 @@ for_both_indices! { qless_condensed_for_elements_64 =
             let (storage, prescribed) = (crate::pattern::storage(storage)?, prescribed_dofs(prescribed)?);
             let made = elimination.read()?.condensed_for_elements(count, |e| elements.of(e), storage, prescribed)?;
             let held = HeldPattern { elimination, pattern: made, elements: Some(elements) };
-            unsafe { insert("pattern", pattern, held) }?;
-            Ok(OK)
+            unsafe { insert("pattern", pattern, held) }
         })
     }
 }
@@ -70,8 +68,7 @@ pub unsafe extern "C" fn qless_assemble(
     f_q: *mut f64,
     f_q_length: i64,
 ) -> c_int {
-    guard(|| {
-        let held: Arc<HeldPattern> = get(pattern)?;
+    on(pattern, |held: Arc<HeldPattern>| {
         let Some(element) = element else { return Err(CallFailure::input("element is null; give a function")) };
         let Some(elements) = &held.elements else {
             return Err(CallFailure::input("the pattern was made from a matrix; call qless_condense"));
@@ -97,7 +94,7 @@ pub unsafe extern "C" fn qless_assemble(
             return Err(CallFailure::input(format!("element {e}: the function returned {status}")));
         }
         assembled?;
-        Ok(OK)
+        Ok(())
     })
 }
 
@@ -117,8 +114,7 @@ for_both_indices! { qless_add_element_64 =
         f_q: *mut f64,
         f_q_length: i64,
     ) -> c_int {
-        guard(|| {
-            let held: Arc<HeldPattern> = get(pattern)?;
+        on(pattern, |held: Arc<HeldPattern>| {
             let (pattern, base) = (&held.pattern, held.elimination.base);
             let count = length("the number of DOFs", count)?;
             let square = count.checked_mul(count).ok_or_else(|| CallFailure::input("the element has too many DOFs"))?;
@@ -129,8 +125,7 @@ for_both_indices! { qless_add_element_64 =
             let (k_q, f_q) = unsafe {
                 (write("k_q", k_q, k_q_length, pattern.nnz())?, write("f_q", f_q, f_q_length, pattern.unknowns())?)
             };
-            pattern.add_element(&*held.elimination.read()?, &dofs, (matrix, forces), k_q, f_q)?;
-            Ok(OK)
+            Ok(pattern.add_element(&*held.elimination.read()?, &dofs, (matrix, forces), k_q, f_q)?)
         })
     }
 }

@@ -7,8 +7,8 @@ use qless::{Csr, Elimination, Form};
 
 use crate::analysis;
 use crate::arrays::{CIndex, IndexBase, for_both_indices, set, write};
-use crate::handles::{get, insert, qless_analysis, qless_elimination, remove, unharmed};
-use crate::status::{CallFailure, OK, guard};
+use crate::handles::{insert, on, qless_analysis, qless_elimination, remove, unharmed};
+use crate::status::{CallFailure, guard};
 
 /// Calls that only read share the lock; a refresh holds it exclusively.
 #[derive(Debug)]
@@ -32,13 +32,11 @@ pub unsafe extern "C" fn qless_eliminate(
     analysis: *const qless_analysis,
     elimination: *mut *mut qless_elimination,
 ) -> c_int {
-    guard(|| {
-        let held: Arc<analysis::HeldAnalysis> = get(analysis)?;
+    on(analysis, |held: Arc<analysis::HeldAnalysis>| {
         let made = Elimination::from_analysis(Arc::clone(&held.analysis), Form::Explicit)?;
         let made = HeldElimination { elimination: RwLock::new(made), base: held.base };
         // SAFETY: the caller upholds the contract.
-        unsafe { insert("elimination", elimination, made) }?;
-        Ok(OK)
+        unsafe { insert("elimination", elimination, made) }
     })
 }
 
@@ -61,8 +59,7 @@ pub unsafe extern "C" fn qless_sizes(
     t_entries: *mut i64,
     g_entries: *mut i64,
 ) -> c_int {
-    guard(|| {
-        let held: Arc<HeldElimination> = get(elimination)?;
+    on(elimination, |held: Arc<HeldElimination>| {
         let known = held.read()?;
         let reduction = known.reduction();
         let sizes = [
@@ -73,8 +70,7 @@ pub unsafe extern "C" fn qless_sizes(
             ("g_entries", g_entries, reduction.g_matrix().nnz()),
         ];
         // SAFETY: the caller upholds the contract.
-        sizes.into_iter().try_for_each(|(what, place, size)| unsafe { set(what, place, size as i64) })?;
-        Ok(OK)
+        sizes.into_iter().try_for_each(|(what, place, size)| unsafe { set(what, place, size as i64) })
     })
 }
 
@@ -89,8 +85,7 @@ for_both_indices! { qless_dofs_64 =
         masters: *mut I,
         prescribed: *mut I,
     ) -> c_int {
-        guard(|| {
-            let held: Arc<HeldElimination> = get(elimination)?;
+        on(elimination, |held: Arc<HeldElimination>| {
             let known = held.read()?;
             let lists = [
                 ("slaves", slaves, known.slaves()),
@@ -102,7 +97,7 @@ for_both_indices! { qless_dofs_64 =
                 let out = unsafe { write(what, array, list.len() as i64, list.len()) }?;
                 held.base.write(list.iter().copied(), out)?;
             }
-            Ok(OK)
+            Ok(())
         })
     }
 }
@@ -115,7 +110,7 @@ unsafe fn rows<I: CIndex>(
     starts: *mut I,
     columns: *mut I,
     values: *mut f64,
-) -> Result<c_int, CallFailure> {
+) -> Result<(), CallFailure> {
     let (count, nnz) = (matrix.rows() + 1, matrix.nnz());
     // SAFETY: the caller upholds the contract.
     let (starts, columns, values) = unsafe {
@@ -128,7 +123,7 @@ unsafe fn rows<I: CIndex>(
     base.write(matrix.starts().iter().copied(), starts)?;
     base.write(matrix.columns().iter().map(|&j| j as usize), columns)?;
     values.copy_from_slice(matrix.values());
-    Ok(OK)
+    Ok(())
 }
 
 for_both_indices! { qless_t_64 =
@@ -142,8 +137,7 @@ for_both_indices! { qless_t_64 =
         columns: *mut I,
         values: *mut f64,
     ) -> c_int {
-        guard(|| {
-            let held: Arc<HeldElimination> = get(elimination)?;
+        on(elimination, |held: Arc<HeldElimination>| {
             // SAFETY: the caller upholds the contract.
             unsafe { rows(held.read()?.reduction().t(), held.base, starts, columns, values) }
         })
@@ -161,8 +155,7 @@ for_both_indices! { qless_g_matrix_64 =
         columns: *mut I,
         values: *mut f64,
     ) -> c_int {
-        guard(|| {
-            let held: Arc<HeldElimination> = get(elimination)?;
+        on(elimination, |held: Arc<HeldElimination>| {
             // SAFETY: the caller upholds the contract.
             unsafe { rows(held.read()?.reduction().g_matrix(), held.base, starts, columns, values) }
         })
@@ -175,12 +168,11 @@ for_both_indices! { qless_g_matrix_64 =
 /// `g` has room for `length` numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn qless_g(elimination: *const qless_elimination, g: *mut f64, length: i64) -> c_int {
-    guard(|| {
-        let held: Arc<HeldElimination> = get(elimination)?;
+    on(elimination, |held: Arc<HeldElimination>| {
         let known = held.read()?;
         // SAFETY: the caller upholds the contract.
         let out = unsafe { write("g", g, length, known.reduction().g().len()) }?;
         out.copy_from_slice(known.reduction().g());
-        Ok(OK)
+        Ok(())
     })
 }

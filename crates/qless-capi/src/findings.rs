@@ -4,12 +4,12 @@ use std::ffi::{c_char, c_int};
 use std::sync::Arc;
 
 use qless::Doubt;
-use qless::explanation::{Explanation, Member, Number};
+use qless::explanation::{Explanation, Number};
 
 use crate::analysis::HeldAnalysis;
 use crate::arrays::{for_both_indices, has_room, set, write, write_text};
-use crate::handles::{get, qless_analysis};
-use crate::status::{CallFailure, OK, guard};
+use crate::handles::{on, qless_analysis};
+use crate::status::CallFailure;
 
 /// `what` of an equation, a DOF and a prescribed value.
 const EQUATION: c_int = 0;
@@ -40,8 +40,7 @@ for_both_indices! { qless_fixed_64 =
         room: i64,
         count: *mut i64,
     ) -> c_int {
-        guard(|| {
-            let held: Arc<HeldAnalysis> = get(analysis)?;
+        on(analysis, |held: Arc<HeldAnalysis>| {
             let found = held.analysis.generated();
             // SAFETY: the caller upholds the contract, here and below.
             if unsafe { has_room(found.len(), room, "count", count) }? {
@@ -51,7 +50,7 @@ for_both_indices! { qless_fixed_64 =
                 held.base.write(found.iter().map(|&(dof, _)| dof), dofs)?;
                 values.iter_mut().zip(found).for_each(|(out, &(_, value))| *out = value);
             }
-            Ok(OK)
+            Ok(())
         })
     }
 }
@@ -70,8 +69,7 @@ pub unsafe extern "C" fn qless_reason(
     rhs: *mut f64,
     count: *mut i64,
 ) -> c_int {
-    guard(|| {
-        let held: Arc<HeldAnalysis> = get(analysis)?;
+    on(analysis, |held: Arc<HeldAnalysis>| {
         let index = held.base.read(index, "the index")?;
         let reason: Option<Explanation> = match what {
             EQUATION => held.analysis.explain(index)?,
@@ -83,15 +81,13 @@ pub unsafe extern "C" fn qless_reason(
         unsafe { set("rhs", rhs, sum) }?;
         if unsafe { has_room(found.len(), room, "count", count) }? {
             let out = unsafe { write("members", members, found.len() as i64, found.len()) }?;
-            out.iter_mut().zip(&found).for_each(|(out, &member)| *out = of_member(&held, member));
+            for (out, member) in out.iter_mut().zip(found) {
+                let (what, index) = of_number(&held, member.into());
+                *out = qless_member { what, index, coefficient: member.coefficient() };
+            }
         }
-        Ok(OK)
+        Ok(())
     })
-}
-
-fn of_member(held: &HeldAnalysis, member: Member) -> qless_member {
-    let (what, index) = of_number(held, member.into());
-    qless_member { what, index, coefficient: member.coefficient() }
 }
 
 pub(crate) fn of_number(held: &HeldAnalysis, number: Number) -> (i64, i64) {
@@ -118,8 +114,7 @@ pub unsafe extern "C" fn qless_doubt(
     room: i64,
     length: *mut i64,
 ) -> c_int {
-    guard(|| {
-        let held: Arc<HeldAnalysis> = get(analysis)?;
+    on(analysis, |held: Arc<HeldAnalysis>| {
         let (number, sentence) = in_words(held.analysis.confidence().doubt);
         let other = held.analysis.other_reading().map(|other| {
             let read = if other.as_zero { "as zero" } else { "as given" };
@@ -168,8 +163,7 @@ pub unsafe extern "C" fn qless_label(
     room: i64,
     length: *mut i64,
 ) -> c_int {
-    guard(|| {
-        let held: Arc<HeldAnalysis> = get(analysis)?;
+    on(analysis, |held: Arc<HeldAnalysis>| {
         let (system, place) = (held.analysis.system(), held.base.read(index, "the index")?);
         let count = if what == EQUATION { system.equations() } else { system.dofs() };
         if place >= count {

@@ -7,8 +7,8 @@ use qless::elimination::{CondensedPattern, PrescribedDofs, Storage, View};
 
 use crate::arrays::{for_both_indices, length, read, set, write};
 use crate::elimination::HeldElimination;
-use crate::handles::{get, insert, qless_elimination, qless_pattern, remove};
-use crate::status::{CallFailure, OK, guard};
+use crate::handles::{insert, on, qless_elimination, qless_pattern, remove};
+use crate::status::{CallFailure, guard};
 
 /// A pattern, and the elimination that made it.
 #[derive(Debug)]
@@ -74,8 +74,7 @@ for_both_indices! { qless_condensed_64 =
         index: *const I,
         pattern: *mut *mut qless_pattern,
     ) -> c_int {
-        guard(|| {
-            let elimination: Arc<HeldElimination> = get(elimination)?;
+        on(elimination, |elimination: Arc<HeldElimination>| {
             let dofs = length("the number of DOFs", dofs)?;
             // SAFETY: the caller upholds the contract, here and below.
             let starts = unsafe { read("starts", starts, dofs + 1) }?;
@@ -89,8 +88,7 @@ for_both_indices! { qless_condensed_64 =
             let view = if elimination.base.is_one() { view.one_based() } else { view };
             let (view, prescribed) = (view.storing(super::storage(storage)?), prescribed_dofs(prescribed)?);
             let made = elimination.read()?.condensed(view, prescribed)?;
-            unsafe { insert("pattern", pattern, HeldPattern { elimination, pattern: made, elements: None }) }?;
-            Ok(OK)
+            unsafe { insert("pattern", pattern, HeldPattern { elimination, pattern: made, elements: None }) }
         })
     }
 }
@@ -111,14 +109,13 @@ pub unsafe extern "C" fn qless_pattern_sizes(
     unknowns: *mut i64,
     entries: *mut i64,
 ) -> c_int {
-    guard(|| {
-        let held: Arc<HeldPattern> = get(pattern)?;
+    on(pattern, |held: Arc<HeldPattern>| {
         // SAFETY: the caller upholds the contract.
         unsafe {
             set("unknowns", unknowns, held.pattern.unknowns() as i64)?;
             set("entries", entries, held.pattern.nnz() as i64)?;
         }
-        Ok(OK)
+        Ok(())
     })
 }
 
@@ -133,8 +130,7 @@ for_both_indices! { qless_pattern_arrays_64 =
         index: *mut I,
         dofs: *mut I,
     ) -> c_int {
-        guard(|| {
-            let held: Arc<HeldPattern> = get(pattern)?;
+        on(pattern, |held: Arc<HeldPattern>| {
             let HeldPattern { elimination, pattern, .. } = &*held;
             let wide = |list: &[u32]| list.iter().map(|&k| k as usize).collect::<Vec<_>>();
             let lists = [
@@ -147,7 +143,7 @@ for_both_indices! { qless_pattern_arrays_64 =
                 let out = unsafe { write(what, array, list.len() as i64, list.len()) }?;
                 elimination.base.write(list.into_iter(), out)?;
             }
-            Ok(OK)
+            Ok(())
         })
     }
 }
@@ -168,8 +164,7 @@ pub unsafe extern "C" fn qless_condense(
     f_q: *mut f64,
     f_q_length: i64,
 ) -> c_int {
-    guard(|| {
-        let held: Arc<HeldPattern> = get(pattern)?;
+    on(pattern, |held: Arc<HeldPattern>| {
         let known = held.elimination.read()?;
         let (pattern, elimination) = (&held.pattern, &*known);
         // SAFETY: the caller upholds the contract, here and below.
@@ -182,7 +177,7 @@ pub unsafe extern "C" fn qless_condense(
         if f.is_null() && f_q.is_null() {
             let Some(matrix) = matrix else { return Err(CallFailure::input("k_q and f_q are null; give one of them")) };
             pattern.condense_matrix_into(elimination, k, matrix)?;
-            return Ok(OK);
+            return Ok(());
         }
         let (f, f_q) =
             unsafe { (read("f", f, length("f", f_length)?)?, write("f_q", f_q, f_q_length, pattern.unknowns())?) };
@@ -190,6 +185,6 @@ pub unsafe extern "C" fn qless_condense(
             Some(matrix) => pattern.condense_into(elimination, k, f, matrix, f_q)?,
             None => pattern.load_into(elimination, k, f, f_q)?,
         }
-        Ok(OK)
+        Ok(())
     })
 }
