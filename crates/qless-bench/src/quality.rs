@@ -10,7 +10,7 @@
 use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
 
-use qless::{Analysis, ConstraintSystem, Kind, Options, Reduction, analyse};
+use qless::{Analysis, Kind, Options, Reduction, analyse};
 use qless_scenes::{Scene, oracle};
 
 use super::run::Done;
@@ -63,7 +63,7 @@ impl<'a> Reference<'a> {
     /// Rank of the equations `rows`, at most the true rank: rounded coefficients can have a higher exact rank.
     fn rank_of(&self, rows: Vec<usize>) -> usize {
         let count = || {
-            let exact = oracle::rank_free(&part(&self.scene.system, &rows));
+            let exact = oracle::rank_free(&with_rows(&self.scene.system, &rows));
             exact.expect("scenes are within reach of exact elimination").min(self.rank)
         };
         if let Some(&rank) = self.ranks.borrow().get(&rows) {
@@ -77,11 +77,6 @@ impl<'a> Reference<'a> {
 
 fn kept(analysis: &Analysis) -> Vec<usize> {
     (0..analysis.kinds().len()).filter(|&i| analysis.kinds()[i] == Kind::Independent).collect()
-}
-
-/// The system of the equations `rows`.
-fn part(system: &ConstraintSystem, rows: &[usize]) -> ConstraintSystem {
-    with_rows(system, rows)
 }
 
 #[cfg(test)]

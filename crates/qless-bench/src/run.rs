@@ -1,12 +1,11 @@
 //! Runs one method on one system: the time of its verdict, and the results that are judged.
 
-use std::hint::black_box;
 use std::time::Instant;
 
 use qless::backend::BackendError;
 use qless::{Analysis, BackendChoice, ConstraintSystem, Options, Reduction, analyse};
 
-use super::figure_15::{FigureBlock, FigureSide, blocks};
+use super::figure_15::{FigureSide, blocks, factor};
 use super::given_up::GivenUpReason;
 use super::methods::{BenchMethod, Engine};
 
@@ -90,13 +89,8 @@ fn bare(system: &ConstraintSystem) -> Result<Done, GivenUpReason> {
     let blocks = blocks(system);
     let factored = |side: FigureSide| -> Result<(f64, usize), BackendError> {
         let start = Instant::now();
-        let rank = |block: &FigureBlock| match side {
-            FigureSide::C => backend.factor(&block.c, &block.rhs, TOLERANCE),
-            FigureSide::Transposed => backend.factor(&block.transposed, &[], TOLERANCE),
-        };
-        let rank: Result<usize, BackendError> =
-            blocks.iter().map(|block| rank(block).map(|factor| black_box(factor).rank)).sum();
-        Ok((start.elapsed().as_secs_f64(), rank?))
+        let rank = factor(&blocks, backend.as_ref(), side, TOLERANCE)?;
+        Ok((start.elapsed().as_secs_f64(), rank))
     };
     let [of_c, transposed] = FigureSide::BOTH.map(factored);
     let (of_c, transposed) = (of_c?, transposed?);

@@ -6,8 +6,8 @@ use std::sync::{Arc, OnceLock};
 use qless::explanation::Repair;
 use qless::{Analysis, Kind, SystemBuilder, analyse};
 
-use crate::arrays::{CIndex, IndexBase, has_room, length, read, set, write};
-use crate::handles::{get, insert, qless_analysis, qless_options, remove};
+use crate::arrays::{IndexBase, for_both_indices, has_room, length, read, set, write};
+use crate::handles::{insert, on, qless_analysis, qless_options, remove};
 use crate::options;
 use crate::status::{AMBIGUOUS, CallFailure, OK, guard};
 
@@ -39,99 +39,50 @@ impl HeldAnalysis {
     }
 }
 
-/// The arguments of [`qless_analyse`]: the equations `C u = b` and the prescribed DOFs of the caller.
-struct Given<I> {
-    sizes: [i64; 3],
-    base: c_int,
-    starts: *const I,
-    columns: *const I,
-    values: *const f64,
-    rhs: *const f64,
-    dofs: *const I,
-    prescribed: *const f64,
-}
-
-impl<I: CIndex> Given<I> {
+for_both_indices! { qless_analyse_64 =
+    /// Diagnoses `C u = b`, with C in compressed rows.
+    ///
     /// # Safety
-    /// The arrays are as long as `sizes` says: numbers of equations, DOFs and prescribed DOFs. `starts` has one number more than there are
-    /// equations; its last number, less the index base, is the length of `columns` and `values`.
-    unsafe fn analyse(
-        &self,
+    /// The arrays have the lengths that the header states: `starts` has one number more than there are equations, and its last number
+    /// gives the number of entries.
+    pub unsafe extern "C" fn qless_analyse<I>(
+        equations: i64,
+        dofs: i64,
+        base: c_int,
+        starts: *const I,
+        columns: *const I,
+        values: *const f64,
+        rhs: *const f64,
+        prescribed_count: i64,
+        prescribed_dofs: *const I,
+        prescribed_values: *const f64,
         options: *const qless_options,
         analysis: *mut *mut qless_analysis,
-    ) -> Result<c_int, CallFailure> {
-        let base = IndexBase::new(self.base)?;
-        let [rows, dofs, count] = self.sizes;
-        let rows = length("the number of equations", rows)?;
-        let mut builder = SystemBuilder::new(length("the number of DOFs", dofs)?);
-        // SAFETY: the caller upholds the contract, here and below.
-        let starts = base.starts(unsafe { read("starts", self.starts, rows + 1) }?)?;
-        let nnz = starts[rows];
-        let (columns, values) = unsafe { (read("columns", self.columns, nnz)?, read("values", self.values, nnz)?) };
-        let rhs = if self.rhs.is_null() { None } else { Some(unsafe { read("rhs", self.rhs, rows) }?) };
-        let columns = columns.iter().map(|&column| base.read(column, "a column")).collect::<Result<Vec<_>, _>>()?;
-        for row in 0..rows {
-            let entries = (starts[row]..starts[row + 1]).map(|k| (columns[k], values[k]));
-            builder.equation(entries, rhs.map_or(0.0, |rhs| rhs[row]));
-        }
-        let count = length("the number of prescribed DOFs", count)?;
-        let given = unsafe { (read("dofs", self.dofs, count)?, read("prescribed", self.prescribed, count)?) };
-        for (&dof, &value) in given.0.iter().zip(given.1) {
-            builder.prescribe(base.read(dof, "a prescribed DOF")?, value);
-        }
-        let found = analyse(&builder.build()?, &options::of(options)?)?;
-        unsafe { HeldAnalysis::new(found, base).hold(analysis) }
+    ) -> c_int {
+        guard(|| {
+            let base = IndexBase::new(base)?;
+            let rows = length("the number of equations", equations)?;
+            let mut builder = SystemBuilder::new(length("the number of DOFs", dofs)?);
+            // SAFETY: the caller upholds the contract, here and below.
+            let starts = base.starts(unsafe { read("starts", starts, rows + 1) }?)?;
+            let nnz = starts[rows];
+            let (columns, values) = unsafe { (read("columns", columns, nnz)?, read("values", values, nnz)?) };
+            let rhs = if rhs.is_null() { None } else { Some(unsafe { read("rhs", rhs, rows) }?) };
+            let columns = base.read_all(columns, "a column")?;
+            for row in 0..rows {
+                let entries = (starts[row]..starts[row + 1]).map(|k| (columns[k], values[k]));
+                builder.equation(entries, rhs.map_or(0.0, |rhs| rhs[row]));
+            }
+            let count = length("the number of prescribed DOFs", prescribed_count)?;
+            let (dofs, values) =
+                unsafe { (read("dofs", prescribed_dofs, count)?, read("prescribed", prescribed_values, count)?) };
+            for (&dof, &value) in dofs.iter().zip(values) {
+                builder.prescribe(base.read(dof, "a prescribed DOF")?, value);
+            }
+            let found = analyse(&builder.build()?, &options::of(options)?)?;
+            unsafe { HeldAnalysis::new(found, base).hold(analysis) }
+        })
     }
-}
-
-/// Diagnoses `C u = b`, with C in compressed rows.
-///
-/// # Safety
-/// The arrays have the lengths that the header states.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn qless_analyse(
-    equations: i64,
-    dofs: i64,
-    base: c_int,
-    starts: *const i32,
-    columns: *const i32,
-    values: *const f64,
-    rhs: *const f64,
-    prescribed_count: i64,
-    prescribed_dofs: *const i32,
-    prescribed_values: *const f64,
-    options: *const qless_options,
-    analysis: *mut *mut qless_analysis,
-) -> c_int {
-    let (sizes, dofs, prescribed) = ([equations, dofs, prescribed_count], prescribed_dofs, prescribed_values);
-    let given = Given { sizes, base, starts, columns, values, rhs, dofs, prescribed };
-    // SAFETY: the caller upholds the contract.
-    guard(|| unsafe { given.analyse(options, analysis) })
-}
-
-/// [`qless_analyse`] with 64-bit indices.
-///
-/// # Safety
-/// As [`qless_analyse`].
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn qless_analyse_64(
-    equations: i64,
-    dofs: i64,
-    base: c_int,
-    starts: *const i64,
-    columns: *const i64,
-    values: *const f64,
-    rhs: *const f64,
-    prescribed_count: i64,
-    prescribed_dofs: *const i64,
-    prescribed_values: *const f64,
-    options: *const qless_options,
-    analysis: *mut *mut qless_analysis,
-) -> c_int {
-    let (sizes, dofs, prescribed) = ([equations, dofs, prescribed_count], prescribed_dofs, prescribed_values);
-    let given = Given { sizes, base, starts, columns, values, rhs, dofs, prescribed };
-    // SAFETY: the caller upholds the contract.
-    guard(|| unsafe { given.analyse(options, analysis) })
 }
 
 /// Frees an analysis; null is allowed. Eliminations made from it stay valid.
@@ -153,8 +104,7 @@ pub unsafe extern "C" fn qless_counts(
     redundant: *mut i64,
     conflicting: *mut i64,
 ) -> c_int {
-    guard(|| {
-        let held: Arc<HeldAnalysis> = get(analysis)?;
+    on(analysis, |held: Arc<HeldAnalysis>| {
         let found = &held.analysis;
         let count = |kind: Kind| found.dependent().iter().filter(|d| d.kind == kind).count();
         let counts = [
@@ -165,8 +115,7 @@ pub unsafe extern "C" fn qless_counts(
             ("conflicting", conflicting, count(Kind::Conflicting)),
         ];
         // SAFETY: the caller upholds the contract.
-        counts.into_iter().try_for_each(|(what, place, count)| unsafe { set(what, place, count as i64) })?;
-        Ok(OK)
+        counts.into_iter().try_for_each(|(what, place, count)| unsafe { set(what, place, count as i64) })
     })
 }
 
@@ -176,8 +125,7 @@ pub unsafe extern "C" fn qless_counts(
 /// `kinds` has room for `length` numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn qless_kinds(analysis: *const qless_analysis, kinds: *mut i8, length: i64) -> c_int {
-    guard(|| {
-        let held: Arc<HeldAnalysis> = get(analysis)?;
+    on(analysis, |held: Arc<HeldAnalysis>| {
         // SAFETY: the caller upholds the contract.
         let out = unsafe { write("kinds", kinds, length, held.analysis.kinds().len()) }?;
         for (out, kind) in out.iter_mut().zip(held.analysis.kinds()) {
@@ -187,7 +135,7 @@ pub unsafe extern "C" fn qless_kinds(analysis: *const qless_analysis, kinds: *mu
                 Kind::Conflicting => 2,
             };
         }
-        Ok(OK)
+        Ok(())
     })
 }
 
@@ -203,8 +151,7 @@ pub unsafe extern "C" fn qless_digits(
     dropped: *mut f64,
     ambiguous: *mut c_int,
 ) -> c_int {
-    guard(|| {
-        let held: Arc<HeldAnalysis> = get(analysis)?;
+    on(analysis, |held: Arc<HeldAnalysis>| {
         let confidence = held.analysis.confidence();
         // SAFETY: the caller upholds the contract.
         unsafe {
@@ -212,62 +159,34 @@ pub unsafe extern "C" fn qless_digits(
             set("dropped", dropped, confidence.digits_dropped())?;
             set("ambiguous", ambiguous, c_int::from(confidence.ambiguous))?;
         }
-        Ok(OK)
+        Ok(())
     })
 }
 
-/// # Safety
-/// `rows` and `coefficients` have room for `room` numbers, and `count` may be written.
-unsafe fn explain<I: CIndex>(
-    analysis: *const qless_analysis,
-    row: i64,
-    (rows, coefficients): (*mut I, *mut f64),
-    room: i64,
-    count: *mut i64,
-) -> Result<c_int, CallFailure> {
-    let held: Arc<HeldAnalysis> = get(analysis)?;
-    let terms = held.analysis.because(held.base.read(row, "the row")?)?;
-    // SAFETY: the caller upholds the contract, here and below.
-    if unsafe { has_room(terms.len(), room, "count", count) }? {
-        let needed = terms.len() as i64;
-        let rows = unsafe { write("rows", rows, needed, terms.len()) }?;
-        held.base.write(terms.iter().map(|term| term.row), rows)?;
-        let out = unsafe { write("coefficients", coefficients, needed, terms.len()) }?;
-        out.iter_mut().zip(&terms).for_each(|(out, term)| *out = term.coefficient);
+for_both_indices! { qless_explanation_64 =
+    /// Why an equation is dependent: `row = sum coefficients_k rows_k`. With room 0 only `count` is set.
+    ///
+    /// # Safety
+    /// `rows` and `coefficients` have room for `room` numbers, and `count` may be written.
+    pub unsafe extern "C" fn qless_explanation<I>(
+        analysis: *const qless_analysis,
+        row: i64,
+        rows: *mut I,
+        coefficients: *mut f64,
+        room: i64,
+        count: *mut i64,
+    ) -> c_int {
+        on(analysis, |held: Arc<HeldAnalysis>| {
+            let terms = held.analysis.because(held.base.read(row, "the row")?)?;
+            // SAFETY: the caller upholds the contract, here and below.
+            if unsafe { has_room(terms.len(), room, "count", count) }? {
+                let needed = terms.len() as i64;
+                let rows = unsafe { write("rows", rows, needed, terms.len()) }?;
+                held.base.write(terms.iter().map(|term| term.row), rows)?;
+                let out = unsafe { write("coefficients", coefficients, needed, terms.len()) }?;
+                out.iter_mut().zip(&terms).for_each(|(out, term)| *out = term.coefficient);
+            }
+            Ok(())
+        })
     }
-    Ok(OK)
-}
-
-/// The certificate of a dependent equation: `row = sum coefficients_k rows_k` over kept equations. With room 0 only `count` is set.
-///
-/// # Safety
-/// `rows` and `coefficients` have room for `room` numbers, and `count` may be written.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn qless_explanation(
-    analysis: *const qless_analysis,
-    row: i64,
-    rows: *mut i32,
-    coefficients: *mut f64,
-    room: i64,
-    count: *mut i64,
-) -> c_int {
-    // SAFETY: the caller upholds the contract.
-    guard(|| unsafe { explain(analysis, row, (rows, coefficients), room, count) })
-}
-
-/// [`qless_explanation`] with 64-bit indices.
-///
-/// # Safety
-/// As [`qless_explanation`].
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn qless_explanation_64(
-    analysis: *const qless_analysis,
-    row: i64,
-    rows: *mut i64,
-    coefficients: *mut f64,
-    room: i64,
-    count: *mut i64,
-) -> c_int {
-    // SAFETY: the caller upholds the contract.
-    guard(|| unsafe { explain(analysis, row, (rows, coefficients), room, count) })
 }

@@ -7,8 +7,8 @@ use qless::Elimination;
 
 use crate::arrays::{length, read, write};
 use crate::elimination::HeldElimination;
-use crate::handles::{get, qless_elimination, unharmed};
-use crate::status::{CallFailure, OK, guard};
+use crate::handles::{on, qless_elimination, unharmed};
+use crate::status::CallFailure;
 
 /// Sets new b and prescribed values; slaves and T stay. If equations then conflict, nothing changes.
 ///
@@ -22,14 +22,12 @@ pub unsafe extern "C" fn qless_refresh(
     prescribed: *const f64,
     prescribed_length: i64,
 ) -> c_int {
-    guard(|| {
-        let held: Arc<HeldElimination> = get(elimination)?;
+    on(elimination, |held: Arc<HeldElimination>| {
         let lengths = (length("rhs", rhs_length)?, length("prescribed", prescribed_length)?);
         // SAFETY: the caller upholds the contract.
         let (rhs, prescribed) = unsafe { (read("rhs", rhs, lengths.0)?, read("prescribed", prescribed, lengths.1)?) };
         let mut known = unharmed(held.elimination.write())?;
-        known.update(rhs, prescribed)?;
-        Ok(OK)
+        Ok(known.update(rhs, prescribed)?)
     })
 }
 
@@ -43,14 +41,14 @@ unsafe fn apply(
     (input, input_length): (*const f64, i64),
     (output, output_length): (*mut f64, i64),
     work: ApplyCall,
-) -> Result<c_int, CallFailure> {
-    let held: Arc<HeldElimination> = get(elimination)?;
-    let (input_length, room) = (length("the input", input_length)?, length("the output", output_length)?);
-    // SAFETY: the caller upholds the contract. The function `work` checks the lengths.
-    let (input, output) =
-        unsafe { (read("the input", input, input_length)?, write("the output", output, output_length, room)?) };
-    work(&*held.read()?, input, output)?;
-    Ok(OK)
+) -> c_int {
+    on(elimination, |held: Arc<HeldElimination>| {
+        let (input_length, room) = (length("the input", input_length)?, length("the output", output_length)?);
+        // SAFETY: the caller upholds the contract. The function `work` checks the lengths.
+        let (input, output) =
+            unsafe { (read("the input", input, input_length)?, write("the output", output, output_length, room)?) };
+        work(&*held.read()?, input, output)
+    })
 }
 
 /// `u = L u_q + u_0`: all DOFs from the masters.
@@ -67,7 +65,7 @@ pub unsafe extern "C" fn qless_expand(
 ) -> c_int {
     let work: ApplyCall = |known, masters, u| Ok(known.expand_into(masters, u)?);
     // SAFETY: the caller upholds the contract.
-    guard(|| unsafe { apply(elimination, (masters, masters_length), (u, u_length), work) })
+    unsafe { apply(elimination, (masters, masters_length), (u, u_length), work) }
 }
 
 /// `du = L du_q`: an increment of all DOFs from one of the masters.
@@ -84,7 +82,7 @@ pub unsafe extern "C" fn qless_expand_increment(
 ) -> c_int {
     let work: ApplyCall = |known, masters, du| Ok(known.expand_increment_into(masters, du)?);
     // SAFETY: the caller upholds the contract.
-    guard(|| unsafe { apply(elimination, (masters, masters_length), (du, du_length), work) })
+    unsafe { apply(elimination, (masters, masters_length), (du, du_length), work) }
 }
 
 /// `f_q = L^T f`: forces on all DOFs, transferred to the masters.
@@ -101,7 +99,7 @@ pub unsafe extern "C" fn qless_restrict(
 ) -> c_int {
     let work: ApplyCall = |known, forces, masters| Ok(known.restrict_into(forces, masters)?);
     // SAFETY: the caller upholds the contract.
-    guard(|| unsafe { apply(elimination, (forces, forces_length), (masters, masters_length), work) })
+    unsafe { apply(elimination, (forces, forces_length), (masters, masters_length), work) }
 }
 
 /// Computes lambda of `K u + C^T lambda = f`, one number for each equation, from `residual = f - K u`.
@@ -129,7 +127,7 @@ pub unsafe extern "C" fn qless_multipliers(
         Ok(())
     };
     // SAFETY: the caller upholds the contract.
-    guard(|| unsafe { apply(elimination, (residual, residual_length), (lambda, lambda_length), work) })
+    unsafe { apply(elimination, (residual, residual_length), (lambda, lambda_length), work) }
 }
 
 /// The reactions `C^T lambda - (f - K u)` at the prescribed DOFs, from `residual = f - K u` and lambda.
@@ -146,15 +144,14 @@ pub unsafe extern "C" fn qless_reactions(
     reactions: *mut f64,
     reactions_length: i64,
 ) -> c_int {
-    guard(|| {
-        let held: Arc<HeldElimination> = get(elimination)?;
+    on(elimination, |held: Arc<HeldElimination>| {
         let lengths = (length("residual", residual_length)?, length("lambda", lambda_length)?);
         // SAFETY: the caller upholds the contract, here and below.
         let (residual, lambda) =
             unsafe { (read("residual", residual, lengths.0)?, read("lambda", lambda, lengths.1)?) };
         let found = held.read()?.reactions(residual, lambda)?;
         unsafe { write("reactions", reactions, reactions_length, found.len()) }?.copy_from_slice(&found);
-        Ok(OK)
+        Ok(())
     })
 }
 
@@ -167,7 +164,8 @@ mod tests {
     use super::*;
     use crate::arrays::IndexBase;
     use crate::elimination::qless_elimination_free;
-    use crate::handles::insert;
+    use crate::handles::{get, insert};
+    use crate::status::OK;
 
     #[test]
     fn a_change_that_panicked_fails_later_calls_on_the_handle() {

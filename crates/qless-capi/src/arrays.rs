@@ -4,7 +4,7 @@ use std::ffi::{CStr, c_char, c_int};
 
 use qless::elimination::Index;
 
-use crate::status::{CallFailure, OK};
+use crate::status::CallFailure;
 
 /// An index type of C.
 pub trait CIndex: Index {
@@ -31,6 +31,32 @@ impl CIndex for i64 {
         Some(value)
     }
 }
+
+/// Defines a function of C for both index types: `narrow` where I is `i32`, and `narrow_64` where I is `i64`.
+macro_rules! for_both_indices {
+    ($wide:ident = $(#[$doc:meta])* pub unsafe extern "C" fn $narrow:ident<$I:ident>($($arguments:tt)*) -> c_int $body:block) => {
+        mod $narrow {
+            use super::*;
+            type $I = i32;
+            $(#[$doc])*
+            #[unsafe(no_mangle)]
+            pub unsafe extern "C" fn $narrow($($arguments)*) -> c_int $body
+        }
+        mod $wide {
+            use super::*;
+            type $I = i64;
+            #[doc = concat!("[`", stringify!($narrow), "`](super::", stringify!($narrow), ") with 64-bit indices.")]
+            ///
+            /// # Safety
+            #[doc = concat!("As [`", stringify!($narrow), "`](super::", stringify!($narrow), ").")]
+            #[unsafe(no_mangle)]
+            pub unsafe extern "C" fn $wide($($arguments)*) -> c_int $body
+        }
+        pub use $narrow::$narrow;
+        pub use $wide::$wide;
+    };
+}
+pub(crate) use for_both_indices;
 
 /// Whether indices count from 0 or from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,9 +86,14 @@ impl IndexBase {
         from_zero.ok_or_else(|| CallFailure::input(format!("{what} is {}; it counts from {}", index.wide(), self.0)))
     }
 
+    /// Converts a list of indices.
+    pub fn read_all<I: CIndex>(self, list: &[I], what: &str) -> Result<Vec<usize>, CallFailure> {
+        list.iter().map(|&index| self.read(index, what)).collect()
+    }
+
     /// Converts the starts of compressed rows or columns, which ascend from the base.
     pub fn starts<I: CIndex>(self, starts: &[I]) -> Result<Vec<usize>, CallFailure> {
-        let starts = starts.iter().map(|&start| self.read(start, "a start")).collect::<Result<Vec<_>, _>>()?;
+        let starts = self.read_all(starts, "a start")?;
         if starts[0] != 0 || starts.windows(2).any(|pair| pair[0] > pair[1]) {
             return Err(CallFailure::input("starts must begin at the base and never decrease"));
         }
@@ -178,7 +209,7 @@ pub unsafe fn has_room(needed: usize, room: i64, what: &str, size: *mut i64) -> 
 ///
 /// # Safety
 /// `out` is null or has room for `room` bytes, and `length` is null or may be written.
-pub unsafe fn write_text(text: &str, out: *mut c_char, room: i64, length: *mut i64) -> Result<c_int, CallFailure> {
+pub unsafe fn write_text(text: &str, out: *mut c_char, room: i64, length: *mut i64) -> Result<(), CallFailure> {
     let needed = text.len() + 1;
     // SAFETY: the caller upholds the contract, here and below.
     if unsafe { has_room(needed, room, "length", length) }? {
@@ -187,5 +218,5 @@ pub unsafe fn write_text(text: &str, out: *mut c_char, room: i64, length: *mut i
         let bytes = text.bytes().map(|byte| if byte == 0 { b' ' } else { byte });
         out.iter_mut().zip(bytes.chain([0])).for_each(|(out, byte)| *out = byte as c_char);
     }
-    Ok(OK)
+    Ok(())
 }

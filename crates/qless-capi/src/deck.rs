@@ -10,7 +10,7 @@ use qless_io::write::{Inputs, OneFile};
 
 use crate::analysis::HeldAnalysis;
 use crate::arrays::{IndexBase, set, text, write_text};
-use crate::handles::{get, insert, qless_analysis, qless_deck, qless_options, remove};
+use crate::handles::{get, insert, on, qless_analysis, qless_deck, qless_options, remove};
 use crate::options;
 use crate::status::{CallFailure, INCOMPLETE, OK, guard};
 
@@ -112,8 +112,7 @@ pub unsafe extern "C" fn qless_deck_counts(
     warnings: *mut i64,
     left_out: *mut i64,
 ) -> c_int {
-    guard(|| {
-        let held: Arc<HeldDeck> = get(deck)?;
+    on(deck, |held: Arc<HeldDeck>| {
         let model = held.deck.model();
         let counts = [
             ("equations", equations, model.equations()),
@@ -122,8 +121,7 @@ pub unsafe extern "C" fn qless_deck_counts(
             ("left_out", left_out, model.left_out().count()),
         ];
         // SAFETY: the caller upholds the contract.
-        counts.into_iter().try_for_each(|(what, place, count)| unsafe { set(what, place, count as i64) })?;
-        Ok(OK)
+        counts.into_iter().try_for_each(|(what, place, count)| unsafe { set(what, place, count as i64) })
     })
 }
 
@@ -139,8 +137,7 @@ pub unsafe extern "C" fn qless_deck_load_case(
     room: i64,
     length: *mut i64,
 ) -> c_int {
-    guard(|| {
-        let held: Arc<HeldDeck> = get(deck)?;
+    on(deck, |held: Arc<HeldDeck>| {
         let case = held.nth(held.deck.model().cases(), load_case, "load case")?;
         // SAFETY: the caller upholds the contract.
         unsafe { write_text(&case.name, text, room, length) }
@@ -159,8 +156,7 @@ pub unsafe extern "C" fn qless_deck_warning(
     room: i64,
     length: *mut i64,
 ) -> c_int {
-    guard(|| {
-        let held: Arc<HeldDeck> = get(deck)?;
+    on(deck, |held: Arc<HeldDeck>| {
         let warning = *held.nth(&held.warnings(), warning, "warning")?;
         let words = format!("{}: {}", held.deck.model().place_of(warning), warning.text);
         // SAFETY: the caller upholds the contract.

@@ -4,86 +4,44 @@
 use std::ffi::{c_int, c_void};
 use std::sync::{Arc, OnceLock};
 
-use crate::arrays::{CIndex, length, read, write};
+use crate::arrays::{for_both_indices, length, read, write};
 use crate::elimination::HeldElimination;
-use crate::handles::{get, insert, qless_elimination, qless_pattern};
-use crate::pattern::{ElementDofs, HeldPattern, prescribed_dofs, storage};
-use crate::status::{CallFailure, OK, guard};
+use crate::handles::{insert, on, qless_elimination, qless_pattern};
+use crate::pattern::{ElementDofs, HeldPattern, prescribed_dofs};
+use crate::status::CallFailure;
 
 /// A function of the caller that adds `K_e`, by rows, and `f_e` of an element to arrays of zeros. If it returns a number other than 0, the
 /// assembly stops.
 #[expect(non_camel_case_types, reason = "a name of C")]
 pub type qless_element = Option<unsafe extern "C" fn(*mut c_void, i64, *mut f64, *mut f64) -> c_int>;
 
-/// The elements of the caller.
-struct GivenElements<I> {
-    elements: i64,
-    storage: c_int,
-    prescribed: c_int,
-    starts: *const I,
-    dofs: *const I,
-}
-
-impl<I: CIndex> GivenElements<I> {
+for_both_indices! { qless_condensed_for_elements_64 =
+    /// The pattern of K_q by rows for the elements of a model.
+    ///
     /// # Safety
-    /// `starts` has `elements + 1` numbers, and `dofs` as many as the last of them says.
-    unsafe fn condensed(
-        &self,
+    /// The arrays have the lengths that the header states: `starts` has `elements + 1` numbers, and `dofs` as many as the last of them says.
+    pub unsafe extern "C" fn qless_condensed_for_elements<I>(
         elimination: *const qless_elimination,
+        elements: i64,
+        storage: c_int,
+        prescribed: c_int,
+        starts: *const I,
+        dofs: *const I,
         pattern: *mut *mut qless_pattern,
-    ) -> Result<c_int, CallFailure> {
-        let elimination: Arc<HeldElimination> = get(elimination)?;
-        let base = elimination.base;
-        let count = length("the number of elements", self.elements)?;
-        // SAFETY: the caller upholds the contract, here and below.
-        let starts = base.starts(unsafe { read("starts", self.starts, count + 1) }?)?;
-        let dofs = unsafe { read("dofs", self.dofs, starts[count]) }?;
-        let dofs = dofs.iter().map(|&dof| base.read(dof, "a DOF of an element")).collect::<Result<_, _>>()?;
-        let elements = ElementDofs { starts, dofs };
-        let (storage, prescribed) = (storage(self.storage)?, prescribed_dofs(self.prescribed)?);
-        let made = elimination.read()?.condensed_for_elements(count, |e| elements.of(e), storage, prescribed)?;
-        let held = HeldPattern { elimination, pattern: made, elements: Some(elements) };
-        unsafe { insert("pattern", pattern, held) }?;
-        Ok(OK)
+    ) -> c_int {
+        on(elimination, |elimination: Arc<HeldElimination>| {
+            let base = elimination.base;
+            let count = length("the number of elements", elements)?;
+            // SAFETY: the caller upholds the contract, here and below.
+            let starts = base.starts(unsafe { read("starts", starts, count + 1) }?)?;
+            let dofs = base.read_all(unsafe { read("dofs", dofs, starts[count]) }?, "a DOF of an element")?;
+            let elements = ElementDofs { starts, dofs };
+            let (storage, prescribed) = (crate::pattern::storage(storage)?, prescribed_dofs(prescribed)?);
+            let made = elimination.read()?.condensed_for_elements(count, |e| elements.of(e), storage, prescribed)?;
+            let held = HeldPattern { elimination, pattern: made, elements: Some(elements) };
+            unsafe { insert("pattern", pattern, held) }
+        })
     }
-}
-
-/// Makes the pattern of the condensed matrix `K_q = L^T K L` in compressed rows, from the DOFs of the elements of a model.
-///
-/// # Safety
-/// The arrays have the lengths that the header states.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn qless_condensed_for_elements(
-    elimination: *const qless_elimination,
-    elements: i64,
-    storage: c_int,
-    prescribed: c_int,
-    starts: *const i32,
-    dofs: *const i32,
-    pattern: *mut *mut qless_pattern,
-) -> c_int {
-    let given = GivenElements { elements, storage, prescribed, starts, dofs };
-    // SAFETY: the caller upholds the contract.
-    guard(|| unsafe { given.condensed(elimination, pattern) })
-}
-
-/// [`qless_condensed_for_elements`] with 64-bit indices.
-///
-/// # Safety
-/// As [`qless_condensed_for_elements`].
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn qless_condensed_for_elements_64(
-    elimination: *const qless_elimination,
-    elements: i64,
-    storage: c_int,
-    prescribed: c_int,
-    starts: *const i64,
-    dofs: *const i64,
-    pattern: *mut *mut qless_pattern,
-) -> c_int {
-    let given = GivenElements { elements, storage, prescribed, starts, dofs };
-    // SAFETY: the caller upholds the contract.
-    guard(|| unsafe { given.condensed(elimination, pattern) })
 }
 
 /// The caller's pointer, which several threads pass to the caller's function.
@@ -112,8 +70,7 @@ pub unsafe extern "C" fn qless_assemble(
     f_q: *mut f64,
     f_q_length: i64,
 ) -> c_int {
-    guard(|| {
-        let held: Arc<HeldPattern> = get(pattern)?;
+    on(pattern, |held: Arc<HeldPattern>| {
         let Some(element) = element else { return Err(CallFailure::input("element is null; give a function")) };
         let Some(elements) = &held.elements else {
             return Err(CallFailure::input("the pattern was made from a matrix; call qless_condense"));
@@ -139,82 +96,38 @@ pub unsafe extern "C" fn qless_assemble(
             return Err(CallFailure::input(format!("element {e}: the function returned {status}")));
         }
         assembled?;
-        Ok(OK)
+        Ok(())
     })
 }
 
-/// The numbers of one element.
-struct GivenElement<I> {
-    count: i64,
-    dofs: *const I,
-    matrix: *const f64,
-    forces: *const f64,
-}
-
-impl<I: CIndex> GivenElement<I> {
+for_both_indices! { qless_add_element_64 =
+    /// Adds one element to K_q and f_q, for codes with a loop of their own over elements.
+    ///
     /// # Safety
     /// `dofs` and `forces` have `count` numbers, `matrix` has their square, and the arrays of K_q and f_q have the lengths that are given.
-    unsafe fn add(
-        &self,
+    pub unsafe extern "C" fn qless_add_element<I>(
         pattern: *const qless_pattern,
-        (k_q, k_q_length): (*mut f64, i64),
-        (f_q, f_q_length): (*mut f64, i64),
-    ) -> Result<c_int, CallFailure> {
-        let held: Arc<HeldPattern> = get(pattern)?;
-        let (pattern, base) = (&held.pattern, held.elimination.base);
-        let count = length("the number of DOFs", self.count)?;
-        let square = count.checked_mul(count).ok_or_else(|| CallFailure::input("the element has too many DOFs"))?;
-        // SAFETY: the caller upholds the contract, here and below.
-        let (dofs, matrix, forces) = unsafe {
-            (read("dofs", self.dofs, count)?, read("matrix", self.matrix, square)?, read("forces", self.forces, count)?)
-        };
-        let dofs = dofs.iter().map(|&dof| base.read(dof, "a DOF of the element")).collect::<Result<Vec<_>, _>>()?;
-        let (k_q, f_q) = unsafe {
-            (write("k_q", k_q, k_q_length, pattern.nnz())?, write("f_q", f_q, f_q_length, pattern.unknowns())?)
-        };
-        pattern.add_element(&*held.elimination.read()?, &dofs, (matrix, forces), k_q, f_q)?;
-        Ok(OK)
+        count: i64,
+        dofs: *const I,
+        matrix: *const f64,
+        forces: *const f64,
+        k_q: *mut f64,
+        k_q_length: i64,
+        f_q: *mut f64,
+        f_q_length: i64,
+    ) -> c_int {
+        on(pattern, |held: Arc<HeldPattern>| {
+            let (pattern, base) = (&held.pattern, held.elimination.base);
+            let count = length("the number of DOFs", count)?;
+            let square = count.checked_mul(count).ok_or_else(|| CallFailure::input("the element has too many DOFs"))?;
+            // SAFETY: the caller upholds the contract, here and below.
+            let (dofs, matrix, forces) =
+                unsafe { (read("dofs", dofs, count)?, read("matrix", matrix, square)?, read("forces", forces, count)?) };
+            let dofs = base.read_all(dofs, "a DOF of the element")?;
+            let (k_q, f_q) = unsafe {
+                (write("k_q", k_q, k_q_length, pattern.nnz())?, write("f_q", f_q, f_q_length, pattern.unknowns())?)
+            };
+            Ok(pattern.add_element(&*held.elimination.read()?, &dofs, (matrix, forces), k_q, f_q)?)
+        })
     }
-}
-
-/// Adds one element to K_q and f_q, for codes with a loop of their own over elements.
-///
-/// # Safety
-/// The arrays have the lengths that the header states.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn qless_add_element(
-    pattern: *const qless_pattern,
-    count: i64,
-    dofs: *const i32,
-    matrix: *const f64,
-    forces: *const f64,
-    k_q: *mut f64,
-    k_q_length: i64,
-    f_q: *mut f64,
-    f_q_length: i64,
-) -> c_int {
-    let given = GivenElement { count, dofs, matrix, forces };
-    // SAFETY: the caller upholds the contract.
-    guard(|| unsafe { given.add(pattern, (k_q, k_q_length), (f_q, f_q_length)) })
-}
-
-/// [`qless_add_element`] with 64-bit indices.
-///
-/// # Safety
-/// As [`qless_add_element`].
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn qless_add_element_64(
-    pattern: *const qless_pattern,
-    count: i64,
-    dofs: *const i64,
-    matrix: *const f64,
-    forces: *const f64,
-    k_q: *mut f64,
-    k_q_length: i64,
-    f_q: *mut f64,
-    f_q_length: i64,
-) -> c_int {
-    let given = GivenElement { count, dofs, matrix, forces };
-    // SAFETY: the caller upholds the contract.
-    guard(|| unsafe { given.add(pattern, (k_q, k_q_length), (f_q, f_q_length)) })
 }

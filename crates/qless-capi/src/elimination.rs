@@ -6,9 +6,9 @@ use std::sync::{Arc, RwLock, RwLockReadGuard};
 use qless::{Csr, Elimination, Form};
 
 use crate::analysis;
-use crate::arrays::{CIndex, IndexBase, set, write};
-use crate::handles::{get, insert, qless_analysis, qless_elimination, remove, unharmed};
-use crate::status::{CallFailure, OK, guard};
+use crate::arrays::{CIndex, IndexBase, for_both_indices, set, write};
+use crate::handles::{insert, on, qless_analysis, qless_elimination, remove, unharmed};
+use crate::status::{CallFailure, guard};
 
 /// An elimination and the index base of its caller. Calls that only read share the lock; a refresh holds it exclusively.
 #[derive(Debug)]
@@ -32,13 +32,11 @@ pub unsafe extern "C" fn qless_eliminate(
     analysis: *const qless_analysis,
     elimination: *mut *mut qless_elimination,
 ) -> c_int {
-    guard(|| {
-        let held: Arc<analysis::HeldAnalysis> = get(analysis)?;
+    on(analysis, |held: Arc<analysis::HeldAnalysis>| {
         let made = Elimination::from_analysis(Arc::clone(&held.analysis), Form::Explicit)?;
         let made = HeldElimination { elimination: RwLock::new(made), base: held.base };
         // SAFETY: the caller upholds the contract.
-        unsafe { insert("elimination", elimination, made) }?;
-        Ok(OK)
+        unsafe { insert("elimination", elimination, made) }
     })
 }
 
@@ -61,8 +59,7 @@ pub unsafe extern "C" fn qless_sizes(
     t_entries: *mut i64,
     g_entries: *mut i64,
 ) -> c_int {
-    guard(|| {
-        let held: Arc<HeldElimination> = get(elimination)?;
+    on(elimination, |held: Arc<HeldElimination>| {
         let known = held.read()?;
         let reduction = known.reduction();
         let sizes = [
@@ -73,53 +70,36 @@ pub unsafe extern "C" fn qless_sizes(
             ("g_entries", g_entries, reduction.g_matrix().nnz()),
         ];
         // SAFETY: the caller upholds the contract.
-        sizes.into_iter().try_for_each(|(what, place, size)| unsafe { set(what, place, size as i64) })?;
-        Ok(OK)
+        sizes.into_iter().try_for_each(|(what, place, size)| unsafe { set(what, place, size as i64) })
     })
 }
 
-/// # Safety
-/// The arrays have room for as many numbers as [`qless_sizes`] says.
-unsafe fn dofs<I: CIndex>(elimination: *const qless_elimination, arrays: [*mut I; 3]) -> Result<c_int, CallFailure> {
-    let held: Arc<HeldElimination> = get(elimination)?;
-    let known = held.read()?;
-    let lists = [("slaves", known.slaves()), ("masters", known.masters()), ("prescribed", known.prescribed())];
-    for ((what, list), array) in lists.into_iter().zip(arrays).filter(|(_, array)| !array.is_null()) {
-        // SAFETY: the caller upholds the contract.
-        let out = unsafe { write(what, array, list.len() as i64, list.len()) }?;
-        held.base.write(list.iter().copied(), out)?;
+for_both_indices! { qless_dofs_64 =
+    /// Slaves, masters and prescribed DOFs, each ascending; null for a list that is not wanted.
+    ///
+    /// # Safety
+    /// The arrays are null or have room for as many numbers as [`qless_sizes`] says.
+    pub unsafe extern "C" fn qless_dofs<I>(
+        elimination: *const qless_elimination,
+        slaves: *mut I,
+        masters: *mut I,
+        prescribed: *mut I,
+    ) -> c_int {
+        on(elimination, |held: Arc<HeldElimination>| {
+            let known = held.read()?;
+            let lists = [
+                ("slaves", slaves, known.slaves()),
+                ("masters", masters, known.masters()),
+                ("prescribed", prescribed, known.prescribed()),
+            ];
+            for (what, array, list) in lists.into_iter().filter(|(_, array, _)| !array.is_null()) {
+                // SAFETY: the caller upholds the contract.
+                let out = unsafe { write(what, array, list.len() as i64, list.len()) }?;
+                held.base.write(list.iter().copied(), out)?;
+            }
+            Ok(())
+        })
     }
-    Ok(OK)
-}
-
-/// Slaves, masters and prescribed DOFs, each ascending; null for a list that is not wanted.
-///
-/// # Safety
-/// The arrays are null or have room for as many numbers as [`qless_sizes`] says.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn qless_dofs(
-    elimination: *const qless_elimination,
-    slaves: *mut i32,
-    masters: *mut i32,
-    prescribed: *mut i32,
-) -> c_int {
-    // SAFETY: the caller upholds the contract.
-    guard(|| unsafe { dofs(elimination, [slaves, masters, prescribed]) })
-}
-
-/// [`qless_dofs`] with 64-bit indices.
-///
-/// # Safety
-/// As [`qless_dofs`].
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn qless_dofs_64(
-    elimination: *const qless_elimination,
-    slaves: *mut i64,
-    masters: *mut i64,
-    prescribed: *mut i64,
-) -> c_int {
-    // SAFETY: the caller upholds the contract.
-    guard(|| unsafe { dofs(elimination, [slaves, masters, prescribed]) })
 }
 
 /// # Safety
@@ -130,7 +110,7 @@ unsafe fn rows<I: CIndex>(
     starts: *mut I,
     columns: *mut I,
     values: *mut f64,
-) -> Result<c_int, CallFailure> {
+) -> Result<(), CallFailure> {
     let (count, nnz) = (matrix.rows() + 1, matrix.nnz());
     // SAFETY: the caller upholds the contract.
     let (starts, columns, values) = unsafe {
@@ -143,79 +123,43 @@ unsafe fn rows<I: CIndex>(
     base.write(matrix.starts().iter().copied(), starts)?;
     base.write(matrix.columns().iter().map(|&j| j as usize), columns)?;
     values.copy_from_slice(matrix.values());
-    Ok(OK)
+    Ok(())
 }
 
-/// T of `u_s = T u_q + G u_p + g` in compressed rows: row i is slave i, column q is master q.
-///
-/// # Safety
-/// `starts` has room for one number more than there are slaves; `columns` and `values` for the entries of T.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn qless_t(
-    elimination: *const qless_elimination,
-    starts: *mut i32,
-    columns: *mut i32,
-    values: *mut f64,
-) -> c_int {
-    guard(|| {
-        let held: Arc<HeldElimination> = get(elimination)?;
-        // SAFETY: the caller upholds the contract.
-        unsafe { rows(held.read()?.reduction().t(), held.base, starts, columns, values) }
-    })
+for_both_indices! { qless_t_64 =
+    /// T of `u_s = T u_q + G u_p + g` in compressed rows: row i is slave i, column q is master q.
+    ///
+    /// # Safety
+    /// `starts` has room for one number more than there are slaves; `columns` and `values` for the entries of T.
+    pub unsafe extern "C" fn qless_t<I>(
+        elimination: *const qless_elimination,
+        starts: *mut I,
+        columns: *mut I,
+        values: *mut f64,
+    ) -> c_int {
+        on(elimination, |held: Arc<HeldElimination>| {
+            // SAFETY: the caller upholds the contract.
+            unsafe { rows(held.read()?.reduction().t(), held.base, starts, columns, values) }
+        })
+    }
 }
 
-/// [`qless_t`] with 64-bit indices.
-///
-/// # Safety
-/// As [`qless_t`].
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn qless_t_64(
-    elimination: *const qless_elimination,
-    starts: *mut i64,
-    columns: *mut i64,
-    values: *mut f64,
-) -> c_int {
-    guard(|| {
-        let held: Arc<HeldElimination> = get(elimination)?;
-        // SAFETY: the caller upholds the contract.
-        unsafe { rows(held.read()?.reduction().t(), held.base, starts, columns, values) }
-    })
-}
-
-/// G of `u_s = T u_q + G u_p + g` in compressed rows: row i is slave i, column p is prescribed DOF p.
-///
-/// # Safety
-/// As [`qless_t`], with the entries of G.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn qless_g_matrix(
-    elimination: *const qless_elimination,
-    starts: *mut i32,
-    columns: *mut i32,
-    values: *mut f64,
-) -> c_int {
-    guard(|| {
-        let held: Arc<HeldElimination> = get(elimination)?;
-        // SAFETY: the caller upholds the contract.
-        unsafe { rows(held.read()?.reduction().g_matrix(), held.base, starts, columns, values) }
-    })
-}
-
-/// [`qless_g_matrix`] with 64-bit indices.
-///
-/// # Safety
-/// As [`qless_g_matrix`].
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn qless_g_matrix_64(
-    elimination: *const qless_elimination,
-    starts: *mut i64,
-    columns: *mut i64,
-    values: *mut f64,
-) -> c_int {
-    guard(|| {
-        let held: Arc<HeldElimination> = get(elimination)?;
-        // SAFETY: the caller upholds the contract.
-        unsafe { rows(held.read()?.reduction().g_matrix(), held.base, starts, columns, values) }
-    })
+for_both_indices! { qless_g_matrix_64 =
+    /// G in compressed rows: row i is slave i, column p is prescribed DOF p.
+    ///
+    /// # Safety
+    /// As [`qless_t`](super::qless_t), with the entries of G.
+    pub unsafe extern "C" fn qless_g_matrix<I>(
+        elimination: *const qless_elimination,
+        starts: *mut I,
+        columns: *mut I,
+        values: *mut f64,
+    ) -> c_int {
+        on(elimination, |held: Arc<HeldElimination>| {
+            // SAFETY: the caller upholds the contract.
+            unsafe { rows(held.read()?.reduction().g_matrix(), held.base, starts, columns, values) }
+        })
+    }
 }
 
 /// g of `u_s = T u_q + G u_p + g`, one number per slave, for the current right-hand sides b.
@@ -224,12 +168,11 @@ pub unsafe extern "C" fn qless_g_matrix_64(
 /// `g` has room for `length` numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn qless_g(elimination: *const qless_elimination, g: *mut f64, length: i64) -> c_int {
-    guard(|| {
-        let held: Arc<HeldElimination> = get(elimination)?;
+    on(elimination, |held: Arc<HeldElimination>| {
         let known = held.read()?;
         // SAFETY: the caller upholds the contract.
         let out = unsafe { write("g", g, length, known.reduction().g().len()) }?;
         out.copy_from_slice(known.reduction().g());
-        Ok(OK)
+        Ok(())
     })
 }

@@ -4,12 +4,12 @@ use std::ffi::{c_char, c_int};
 use std::sync::Arc;
 
 use qless::Doubt;
-use qless::explanation::{Explanation, Member, Number};
+use qless::explanation::{Explanation, Number};
 
 use crate::analysis::HeldAnalysis;
-use crate::arrays::{CIndex, has_room, set, write, write_text};
-use crate::handles::{get, qless_analysis};
-use crate::status::{CallFailure, OK, guard};
+use crate::arrays::{for_both_indices, has_room, set, write, write_text};
+use crate::handles::{on, qless_analysis};
+use crate::status::CallFailure;
 
 /// Values of the argument `what`, which says whether an index means an equation, a DOF, or the prescribed value of a DOF.
 const EQUATION: c_int = 0;
@@ -28,57 +28,31 @@ pub struct qless_member {
     pub coefficient: f64,
 }
 
-/// # Safety
-/// The arrays have room for `room` numbers, and `count` may be written.
-unsafe fn fixed<I: CIndex>(
-    analysis: *const qless_analysis,
-    (dofs, values): (*mut I, *mut f64),
-    room: i64,
-    count: *mut i64,
-) -> Result<c_int, CallFailure> {
-    let held: Arc<HeldAnalysis> = get(analysis)?;
-    let found = held.analysis.generated();
-    // SAFETY: the caller upholds the contract, here and below.
-    if unsafe { has_room(found.len(), room, "count", count) }? {
-        let needed = found.len();
-        let (dofs, values) =
-            unsafe { (write("dofs", dofs, needed as i64, needed)?, write("values", values, needed as i64, needed)?) };
-        held.base.write(found.iter().map(|&(dof, _)| dof), dofs)?;
-        values.iter_mut().zip(found).for_each(|(out, &(_, value))| *out = value);
+for_both_indices! { qless_fixed_64 =
+    /// The free DOFs that the equations fix, and their values.
+    ///
+    /// # Safety
+    /// The arrays have room for `room` numbers, and `count` may be written.
+    pub unsafe extern "C" fn qless_fixed<I>(
+        analysis: *const qless_analysis,
+        dofs: *mut I,
+        values: *mut f64,
+        room: i64,
+        count: *mut i64,
+    ) -> c_int {
+        on(analysis, |held: Arc<HeldAnalysis>| {
+            let found = held.analysis.generated();
+            // SAFETY: the caller upholds the contract, here and below.
+            if unsafe { has_room(found.len(), room, "count", count) }? {
+                let needed = found.len() as i64;
+                let (dofs, values) =
+                    unsafe { (write("dofs", dofs, needed, found.len())?, write("values", values, needed, found.len())?) };
+                held.base.write(found.iter().map(|&(dof, _)| dof), dofs)?;
+                values.iter_mut().zip(found).for_each(|(out, &(_, value))| *out = value);
+            }
+            Ok(())
+        })
     }
-    Ok(OK)
-}
-
-/// The free DOFs that the equations fix, and their values.
-///
-/// # Safety
-/// The arrays have room for `room` numbers, and `count` may be written.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn qless_fixed(
-    analysis: *const qless_analysis,
-    dofs: *mut i32,
-    values: *mut f64,
-    room: i64,
-    count: *mut i64,
-) -> c_int {
-    // SAFETY: the caller upholds the contract.
-    guard(|| unsafe { fixed(analysis, (dofs, values), room, count) })
-}
-
-/// [`qless_fixed`] with 64-bit indices.
-///
-/// # Safety
-/// As [`qless_fixed`].
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn qless_fixed_64(
-    analysis: *const qless_analysis,
-    dofs: *mut i64,
-    values: *mut f64,
-    room: i64,
-    count: *mut i64,
-) -> c_int {
-    // SAFETY: the caller upholds the contract.
-    guard(|| unsafe { fixed(analysis, (dofs, values), room, count) })
 }
 
 /// Writes few equations and prescribed values, with factors, whose weighted sum is a dependent equation or the value of a fixed DOF.
@@ -95,8 +69,7 @@ pub unsafe extern "C" fn qless_reason(
     rhs: *mut f64,
     count: *mut i64,
 ) -> c_int {
-    guard(|| {
-        let held: Arc<HeldAnalysis> = get(analysis)?;
+    on(analysis, |held: Arc<HeldAnalysis>| {
         let index = held.base.read(index, "the index")?;
         let reason: Option<Explanation> = match what {
             EQUATION => held.analysis.explain(index)?,
@@ -108,15 +81,13 @@ pub unsafe extern "C" fn qless_reason(
         unsafe { set("rhs", rhs, sum) }?;
         if unsafe { has_room(found.len(), room, "count", count) }? {
             let out = unsafe { write("members", members, found.len() as i64, found.len()) }?;
-            out.iter_mut().zip(&found).for_each(|(out, &member)| *out = of_member(&held, member));
+            for (out, member) in out.iter_mut().zip(found) {
+                let (what, index) = of_number(&held, member.into());
+                *out = qless_member { what, index, coefficient: member.coefficient() };
+            }
         }
-        Ok(OK)
+        Ok(())
     })
-}
-
-fn of_member(held: &HeldAnalysis, member: Member) -> qless_member {
-    let (what, index) = of_number(held, member.into());
-    qless_member { what, index, coefficient: member.coefficient() }
 }
 
 pub(crate) fn of_number(held: &HeldAnalysis, number: Number) -> (i64, i64) {
@@ -144,8 +115,7 @@ pub unsafe extern "C" fn qless_doubt(
     room: i64,
     length: *mut i64,
 ) -> c_int {
-    guard(|| {
-        let held: Arc<HeldAnalysis> = get(analysis)?;
+    on(analysis, |held: Arc<HeldAnalysis>| {
         let (number, sentence) = in_words(held.analysis.confidence().doubt);
         let other = held.analysis.other_reading().map(|other| {
             let read = if other.as_zero { "as zero" } else { "as given" };
@@ -194,8 +164,7 @@ pub unsafe extern "C" fn qless_label(
     room: i64,
     length: *mut i64,
 ) -> c_int {
-    guard(|| {
-        let held: Arc<HeldAnalysis> = get(analysis)?;
+    on(analysis, |held: Arc<HeldAnalysis>| {
         let (system, place) = (held.analysis.system(), held.base.read(index, "the index")?);
         let count = if what == EQUATION { system.equations() } else { system.dofs() };
         if place >= count {

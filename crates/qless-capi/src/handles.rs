@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, LockResult, OnceLock, RwLock};
 
 use crate::arrays::set;
-use crate::status::{CallFailure, OK};
+use crate::status::{CallFailure, OK, guard};
 
 macro_rules! opaque {
     ($($(#[$doc:meta])* $name:ident)*) => {$(
@@ -66,6 +66,11 @@ pub unsafe fn insert<H>(what: &str, place: *mut *mut H, value: impl Any + Send +
 pub fn get<H, T: Any + Send + Sync>(handle: *const H) -> Result<Arc<T>, CallFailure> {
     let found = unharmed(table().read())?.get(&handle.addr()).cloned();
     found.and_then(|found| found.downcast().ok()).ok_or_else(|| unknown(handle.is_null()))
+}
+
+/// Runs the work of a call on the object of a handle.
+pub fn on<H, T: Any + Send + Sync>(handle: *const H, work: impl FnOnce(Arc<T>) -> Result<(), CallFailure>) -> c_int {
+    guard(|| work(get(handle)?).map(|()| OK))
 }
 
 /// Removes a handle from the table; null is no error, as with `free`.

@@ -6,10 +6,10 @@ use std::sync::Arc;
 
 use qless::elimination::{CondensedPattern, PrescribedDofs, Storage, View};
 
-use crate::arrays::{CIndex, length, read, set, write};
+use crate::arrays::{for_both_indices, length, read, set, write};
 use crate::elimination::HeldElimination;
-use crate::handles::{get, insert, qless_elimination, qless_pattern, remove};
-use crate::status::{CallFailure, OK, guard};
+use crate::handles::{insert, on, qless_elimination, qless_pattern, remove};
+use crate::status::{CallFailure, guard};
 
 /// A pattern, and the elimination that made it.
 #[derive(Debug)]
@@ -60,81 +60,38 @@ fn unknown(what: &str, number: c_int, choice: &str) -> CallFailure {
     CallFailure::input(format!("{what} is {number}; give {choice}"))
 }
 
-/// The pattern of the caller's K.
-struct GivenPattern<I> {
-    dofs: i64,
-    lines: c_int,
-    storage: c_int,
-    prescribed: c_int,
-    starts: *const I,
-    index: *const I,
-}
-
-impl<I: CIndex> GivenPattern<I> {
+for_both_indices! { qless_condensed_64 =
+    /// The pattern of K_q for matrices K with this pattern.
+    ///
     /// # Safety
-    /// `starts` has `dofs + 1` numbers, and `index` as many as the last of them says.
-    unsafe fn condensed(
-        &self,
+    /// The arrays have the lengths that the header states: `starts` has `dofs + 1` numbers, and `index` as many as the last of them says.
+    pub unsafe extern "C" fn qless_condensed<I>(
         elimination: *const qless_elimination,
+        dofs: i64,
+        lines: c_int,
+        storage: c_int,
+        prescribed: c_int,
+        starts: *const I,
+        index: *const I,
         pattern: *mut *mut qless_pattern,
-    ) -> Result<c_int, CallFailure> {
-        let elimination: Arc<HeldElimination> = get(elimination)?;
-        let dofs = length("the number of DOFs", self.dofs)?;
-        // SAFETY: the caller upholds the contract, here and below.
-        let starts = unsafe { read("starts", self.starts, dofs + 1) }?;
-        let entries = elimination.base.read(starts[dofs], "the last start")?;
-        let index = unsafe { read("index", self.index, entries) }?;
-        let view = match self.lines {
-            0 => View::rows(starts, index),
-            1 => View::columns(starts, index),
-            other => return Err(unknown("lines", other, "QLESS_ROWS or QLESS_COLUMNS")),
-        };
-        let view = if elimination.base.is_one() { view.one_based() } else { view };
-        let (view, prescribed) = (view.storing(storage(self.storage)?), prescribed_dofs(self.prescribed)?);
-        let made = elimination.read()?.condensed(view, prescribed)?;
-        unsafe { insert("pattern", pattern, HeldPattern { elimination, pattern: made, elements: None }) }?;
-        Ok(OK)
+    ) -> c_int {
+        on(elimination, |elimination: Arc<HeldElimination>| {
+            let dofs = length("the number of DOFs", dofs)?;
+            // SAFETY: the caller upholds the contract, here and below.
+            let starts = unsafe { read("starts", starts, dofs + 1) }?;
+            let entries = elimination.base.read(starts[dofs], "the last start")?;
+            let index = unsafe { read("index", index, entries) }?;
+            let view = match lines {
+                0 => View::rows(starts, index),
+                1 => View::columns(starts, index),
+                other => return Err(unknown("lines", other, "QLESS_ROWS or QLESS_COLUMNS")),
+            };
+            let view = if elimination.base.is_one() { view.one_based() } else { view };
+            let (view, prescribed) = (view.storing(super::storage(storage)?), prescribed_dofs(prescribed)?);
+            let made = elimination.read()?.condensed(view, prescribed)?;
+            unsafe { insert("pattern", pattern, HeldPattern { elimination, pattern: made, elements: None }) }
+        })
     }
-}
-
-/// Makes the pattern of `K_q` for all matrices K that have the given pattern.
-///
-/// # Safety
-/// The arrays have the lengths that the header states.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn qless_condensed(
-    elimination: *const qless_elimination,
-    dofs: i64,
-    lines: c_int,
-    storage: c_int,
-    prescribed: c_int,
-    starts: *const i32,
-    index: *const i32,
-    pattern: *mut *mut qless_pattern,
-) -> c_int {
-    let given = GivenPattern { dofs, lines, storage, prescribed, starts, index };
-    // SAFETY: the caller upholds the contract.
-    guard(|| unsafe { given.condensed(elimination, pattern) })
-}
-
-/// [`qless_condensed`] with 64-bit indices.
-///
-/// # Safety
-/// As [`qless_condensed`].
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn qless_condensed_64(
-    elimination: *const qless_elimination,
-    dofs: i64,
-    lines: c_int,
-    storage: c_int,
-    prescribed: c_int,
-    starts: *const i64,
-    index: *const i64,
-    pattern: *mut *mut qless_pattern,
-) -> c_int {
-    let given = GivenPattern { dofs, lines, storage, prescribed, starts, index };
-    // SAFETY: the caller upholds the contract.
-    guard(|| unsafe { given.condensed(elimination, pattern) })
 }
 
 /// Frees a pattern; null is allowed.
@@ -153,67 +110,43 @@ pub unsafe extern "C" fn qless_pattern_sizes(
     unknowns: *mut i64,
     entries: *mut i64,
 ) -> c_int {
-    guard(|| {
-        let held: Arc<HeldPattern> = get(pattern)?;
+    on(pattern, |held: Arc<HeldPattern>| {
         // SAFETY: the caller upholds the contract.
         unsafe {
             set("unknowns", unknowns, held.pattern.unknowns() as i64)?;
             set("entries", entries, held.pattern.nnz() as i64)?;
         }
-        Ok(OK)
+        Ok(())
     })
 }
 
-/// # Safety
-/// The arrays are null or have the lengths that the pattern needs.
-unsafe fn arrays<I: CIndex>(
-    pattern: *const qless_pattern,
-    [starts, index, dofs]: [*mut I; 3],
-) -> Result<c_int, CallFailure> {
-    let held: Arc<HeldPattern> = get(pattern)?;
-    let HeldPattern { elimination, pattern, .. } = &*held;
-    let wide = |list: &[u32]| list.iter().map(|&k| k as usize).collect::<Vec<_>>();
-    let lists = [
-        ("starts", starts, wide(pattern.starts())),
-        ("index", index, wide(pattern.index())),
-        ("dofs", dofs, pattern.dofs().to_vec()),
-    ];
-    for (what, array, list) in lists.into_iter().filter(|(_, array, _)| !array.is_null()) {
-        // SAFETY: the caller upholds the contract.
-        let out = unsafe { write(what, array, list.len() as i64, list.len()) }?;
-        elimination.base.write(list.into_iter(), out)?;
+for_both_indices! { qless_pattern_arrays_64 =
+    /// The lines of K_q, and the DOF of each unknown; null for an array that is not wanted.
+    ///
+    /// # Safety
+    /// The arrays are null or have the lengths that the header states.
+    pub unsafe extern "C" fn qless_pattern_arrays<I>(
+        pattern: *const qless_pattern,
+        starts: *mut I,
+        index: *mut I,
+        dofs: *mut I,
+    ) -> c_int {
+        on(pattern, |held: Arc<HeldPattern>| {
+            let HeldPattern { elimination, pattern, .. } = &*held;
+            let wide = |list: &[u32]| list.iter().map(|&k| k as usize).collect::<Vec<_>>();
+            let lists = [
+                ("starts", starts, wide(pattern.starts())),
+                ("index", index, wide(pattern.index())),
+                ("dofs", dofs, pattern.dofs().to_vec()),
+            ];
+            for (what, array, list) in lists.into_iter().filter(|(_, array, _)| !array.is_null()) {
+                // SAFETY: the caller upholds the contract.
+                let out = unsafe { write(what, array, list.len() as i64, list.len()) }?;
+                elimination.base.write(list.into_iter(), out)?;
+            }
+            Ok(())
+        })
     }
-    Ok(OK)
-}
-
-/// The compressed rows or columns of `K_q`, and the DOF of each unknown; null for an array that is not wanted.
-///
-/// # Safety
-/// The arrays are null or have the lengths that the header states.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn qless_pattern_arrays(
-    pattern: *const qless_pattern,
-    starts: *mut i32,
-    index: *mut i32,
-    dofs: *mut i32,
-) -> c_int {
-    // SAFETY: the caller upholds the contract.
-    guard(|| unsafe { arrays(pattern, [starts, index, dofs]) })
-}
-
-/// [`qless_pattern_arrays`] with 64-bit indices.
-///
-/// # Safety
-/// As [`qless_pattern_arrays`].
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn qless_pattern_arrays_64(
-    pattern: *const qless_pattern,
-    starts: *mut i64,
-    index: *mut i64,
-    dofs: *mut i64,
-) -> c_int {
-    // SAFETY: the caller upholds the contract.
-    guard(|| unsafe { arrays(pattern, [starts, index, dofs]) })
 }
 
 /// Computes `K_q = L^T K L` and `f_q = L^T (f - K u_0)`, with `u = L u_q + u_0` for the current b and prescribed values of the elimination.
@@ -232,8 +165,7 @@ pub unsafe extern "C" fn qless_condense(
     f_q: *mut f64,
     f_q_length: i64,
 ) -> c_int {
-    guard(|| {
-        let held: Arc<HeldPattern> = get(pattern)?;
+    on(pattern, |held: Arc<HeldPattern>| {
         let known = held.elimination.read()?;
         let (pattern, elimination) = (&held.pattern, &*known);
         // SAFETY: the caller upholds the contract, here and below.
@@ -246,7 +178,7 @@ pub unsafe extern "C" fn qless_condense(
         if f.is_null() && f_q.is_null() {
             let Some(matrix) = matrix else { return Err(CallFailure::input("k_q and f_q are null; give one of them")) };
             pattern.condense_matrix_into(elimination, k, matrix)?;
-            return Ok(OK);
+            return Ok(());
         }
         let (f, f_q) =
             unsafe { (read("f", f, length("f", f_length)?)?, write("f_q", f_q, f_q_length, pattern.unknowns())?) };
@@ -254,6 +186,6 @@ pub unsafe extern "C" fn qless_condense(
             Some(matrix) => pattern.condense_into(elimination, k, f, matrix, f_q)?,
             None => pattern.load_into(elimination, k, f, f_q)?,
         }
-        Ok(OK)
+        Ok(())
     })
 }

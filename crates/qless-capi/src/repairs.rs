@@ -8,8 +8,8 @@ use qless::explanation::{Change, Repair};
 use crate::analysis::HeldAnalysis;
 use crate::arrays::{set, write};
 use crate::findings::of_number;
-use crate::handles::{get, qless_analysis};
-use crate::status::{CallFailure, OK, guard};
+use crate::handles::{on, qless_analysis};
+use crate::status::CallFailure;
 
 /// Another value for a right-hand side or a prescribed value.
 #[repr(C)]
@@ -50,11 +50,9 @@ impl HeldAnalysis {
 /// `groups` may be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn qless_repairs(analysis: *const qless_analysis, groups: *mut i64) -> c_int {
-    guard(|| {
-        let held: Arc<HeldAnalysis> = get(analysis)?;
+    on(analysis, |held: Arc<HeldAnalysis>| {
         // SAFETY: the caller upholds the contract.
-        unsafe { set("groups", groups, held.repairs()?.len() as i64) }?;
-        Ok(OK)
+        unsafe { set("groups", groups, held.repairs()?.len() as i64) }
     })
 }
 
@@ -71,8 +69,7 @@ pub unsafe extern "C" fn qless_repair_sizes(
     ways: *mut i64,
     changes: *mut i64,
 ) -> c_int {
-    guard(|| {
-        let held: Arc<HeldAnalysis> = get(analysis)?;
+    on(analysis, |held: Arc<HeldAnalysis>| {
         let repair = held.repair(group)?;
         // SAFETY: the caller upholds the contract.
         unsafe {
@@ -80,7 +77,7 @@ pub unsafe extern "C" fn qless_repair_sizes(
             set("ways", ways, repair.ways.len() as i64)?;
             set("changes", changes, repair.ways.first().map_or(0, Vec::len) as i64)?;
         }
-        Ok(OK)
+        Ok(())
     })
 }
 
@@ -95,12 +92,10 @@ pub unsafe extern "C" fn qless_repair_conflicts(
     rows: *mut i64,
     length: i64,
 ) -> c_int {
-    guard(|| {
-        let held: Arc<HeldAnalysis> = get(analysis)?;
+    on(analysis, |held: Arc<HeldAnalysis>| {
         let conflicts = &held.repair(group)?.conflicts;
         // SAFETY: the caller upholds the contract.
-        held.base.write(conflicts.iter().copied(), unsafe { write("rows", rows, length, conflicts.len()) }?)?;
-        Ok(OK)
+        held.base.write(conflicts.iter().copied(), unsafe { write("rows", rows, length, conflicts.len()) }?)
     })
 }
 
@@ -116,8 +111,7 @@ pub unsafe extern "C" fn qless_repair(
     changes: *mut qless_change,
     length: i64,
 ) -> c_int {
-    guard(|| {
-        let held: Arc<HeldAnalysis> = get(analysis)?;
+    on(analysis, |held: Arc<HeldAnalysis>| {
         let (ways, place) = (&held.repair(group)?.ways, held.base.read(way, "the way")?);
         let found =
             ways.get(place).ok_or_else(|| CallFailure::input(format!("way {way}: there are {}", ways.len())))?;
@@ -127,6 +121,6 @@ pub unsafe extern "C" fn qless_repair(
             let (what, index) = of_number(&held, number);
             *out = qless_change { what, index, from, to };
         }
-        Ok(OK)
+        Ok(())
     })
 }

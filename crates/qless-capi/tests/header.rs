@@ -28,14 +28,36 @@ fn defined() -> BTreeMap<String, String> {
     for file in files {
         let source = syn::parse_file(&std::fs::read_to_string(file.path()).expect("a file")).expect("Rust");
         for item in source.items {
-            let syn::Item::Fn(function) = item else { continue };
-            if function.sig.abi.is_some() {
-                let declaration = declaration(&function.sig);
-                functions.insert(function.sig.ident.to_string(), declaration);
-            }
+            let signatures = match item {
+                syn::Item::Fn(function) if function.sig.abi.is_some() => vec![function.sig],
+                syn::Item::Macro(call) if call.mac.path.is_ident("for_both_indices") => both(&call.mac),
+                _ => Vec::new(),
+            };
+            functions.extend(signatures.iter().map(|one| (one.ident.to_string(), declaration(one))));
         }
     }
     functions
+}
+
+/// The two functions of `for_both_indices! { wide = fn narrow<I>(..) { .. } }`.
+fn both(call: &syn::Macro) -> Vec<syn::Signature> {
+    let parts = |input: syn::parse::ParseStream| {
+        let wide: syn::Ident = input.parse()?;
+        input.parse::<syn::Token![=]>()?;
+        Ok((wide, input.parse::<syn::ItemFn>()?.sig))
+    };
+    let (wide, narrow) = call.parse_body_with(parts).expect("a name and a function");
+    let mut both = vec![narrow.clone(), syn::Signature { ident: wide, ..narrow }];
+    for (signature, index) in both.iter_mut().zip(["i32", "i64"]) {
+        for argument in &mut signature.inputs {
+            let syn::FnArg::Typed(argument) = argument else { continue };
+            let syn::Type::Ptr(pointer) = &mut *argument.ty else { continue };
+            if matches!(&*pointer.elem, syn::Type::Path(path) if path.path.is_ident("I")) {
+                pointer.elem = syn::parse_str(index).expect("a type");
+            }
+        }
+    }
+    both
 }
 
 fn declaration(signature: &syn::Signature) -> String {

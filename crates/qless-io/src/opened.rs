@@ -54,13 +54,14 @@ impl Opened {
     /// [`ReadError::Io`], or [`ReadError::Unknown`] if no reader recognises the content.
     pub fn read(path: &Path, solver: Option<Solver>) -> Result<Self, ReadError> {
         let text = read_file(path)?;
+        let ending = bytes::without_gz(path).unwrap_or(path).extension();
         let expected = solver.map(Solver::format).or_else(|| Format::from_path(path));
         let content = match format_of(&text, expected) {
             _ if header::is_present(&text) => FileContent::Matrix,
             _ if relations::is_relations(path, &text) => FileContent::Relations,
             Ok(format) => FileContent::Deck(format),
             // No reader recognises the text, but its path ends like that of a matrix. The reader of matrices then gives the best error.
-            Err(_) if is_matrix(path) => FileContent::Matrix,
+            Err(_) if ending.is_some_and(|ending| ending.eq_ignore_ascii_case("mtx")) => FileContent::Matrix,
             Err(seen) => return Err(ReadError::Unknown { path: path.to_path_buf(), seen }),
         };
         Ok(Self { path: path.to_path_buf(), text, content })
@@ -180,9 +181,4 @@ pub fn read_deck(path: &Path) -> Result<Deck, ReadError> {
 /// ```
 pub fn read_deck_for(path: &Path, solver: Option<Solver>) -> Result<Deck, ReadError> {
     Opened::read(path, solver)?.into_deck(solver)
-}
-
-/// Whether a path has the ending of a matrix file.
-fn is_matrix(path: &Path) -> bool {
-    bytes::without_gz(path).unwrap_or(path).extension().is_some_and(|ending| ending.eq_ignore_ascii_case("mtx"))
 }

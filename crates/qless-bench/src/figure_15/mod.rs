@@ -12,10 +12,10 @@ mod section;
 mod tests;
 mod time;
 
-pub use blocks::{FigureBlock, blocks};
+pub use blocks::blocks;
 pub use plot::plots;
 pub use section::{CSV, csv, markdown, text};
-pub use time::measure;
+pub use time::{factor, measure};
 
 /// The matrix that is factored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

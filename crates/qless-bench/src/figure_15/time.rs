@@ -56,7 +56,7 @@ fn in_turns(blocks: &[FigureBlock], runs: usize) -> Vec<Way> {
                 continue;
             }
             let start = Instant::now();
-            *rank = factor(blocks, backend.as_ref(), *side).map_err(|error| error.to_string());
+            *rank = factor(blocks, backend.as_ref(), *side, TOLERANCE).map_err(|error| error.to_string());
             let time = start.elapsed().as_secs_f64();
             if round > 0 || time > SLOW {
                 times.push(time);
@@ -89,11 +89,16 @@ fn median(mut times: Vec<f64>, rank: Result<usize, String>) -> Result<(f64, usiz
 }
 
 /// The rank of all blocks together.
-fn factor(blocks: &[FigureBlock], backend: &dyn Backend, side: FigureSide) -> Result<usize, BackendError> {
+pub fn factor(
+    blocks: &[FigureBlock],
+    backend: &dyn Backend,
+    side: FigureSide,
+    tolerance: f64,
+) -> Result<usize, BackendError> {
     let rank = |block: &FigureBlock| {
         let factor = match side {
-            FigureSide::C => backend.factor(&block.c, &block.rhs, TOLERANCE),
-            FigureSide::Transposed => backend.factor(&block.transposed, &[], TOLERANCE),
+            FigureSide::C => backend.factor(&block.c, &block.rhs, tolerance),
+            FigureSide::Transposed => backend.factor(&block.transposed, &[], tolerance),
         };
         factor.map(|factor| black_box(factor).rank)
     };

@@ -100,8 +100,17 @@ impl ActiveSystem {
         for (row, key) in set.keys().into_iter().enumerate() {
             let known = old.remove(&key);
             let (terms, rhs) = evaluation.linear_equation(row, rounding.as_ref());
-            let known = if let Some(known) = known {
-                self.renewed(known, terms, rhs)?
+            let known = if let Some(mut known) = known {
+                let bits = |(j, v): (usize, f64)| (j, v.to_bits());
+                if !known.terms.iter().copied().map(bits).eq(terms.clone().map(bits)) {
+                    known.terms = terms.collect();
+                    self.system.set_terms(known.id, known.terms.iter().copied())?;
+                }
+                if known.rhs.to_bits() != rhs.to_bits() {
+                    known.rhs = rhs;
+                    self.system.set_rhs(known.id, rhs)?;
+                }
+                known
             } else {
                 let terms: Box<[_]> = terms.collect();
                 ActiveRow { key, id: self.system.add(terms.iter().copied(), rhs)?, terms, rhs }
@@ -113,25 +122,6 @@ impl ActiveSystem {
         gone.sort_unstable();
         gone.into_iter().try_for_each(|id| self.system.remove(id))?;
         Ok(self.system.update()?)
-    }
-
-    /// Passes the terms and the right-hand side of an equation that the system already has, if they changed.
-    fn renewed(
-        &mut self,
-        mut known: ActiveRow,
-        terms: impl Iterator<Item = (usize, f64)> + Clone,
-        rhs: f64,
-    ) -> Result<ActiveRow, ChangeError> {
-        let bits = |(j, v): (usize, f64)| (j, v.to_bits());
-        if !known.terms.iter().copied().map(bits).eq(terms.clone().map(bits)) {
-            known.terms = terms.collect();
-            self.system.set_terms(known.id, known.terms.iter().copied())?;
-        }
-        if known.rhs.to_bits() != rhs.to_bits() {
-            known.rhs = rhs;
-            self.system.set_rhs(known.id, rhs)?;
-        }
-        Ok(known)
     }
 
     /// Prescribes an increment du for a DOF, or changes a prescribed one.

@@ -6,8 +6,6 @@
 
 mod plain;
 
-use std::error::Error;
-use std::fmt;
 use std::fs::File;
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
@@ -22,36 +20,19 @@ pub(crate) const LINE: usize = 1 << 20;
 const CHUNK: u64 = 1 << 16;
 
 /// Why reading stopped before the end of a file.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 enum TooMuch {
+    #[error(
+        "it continues after {read} bytes, but at most {STREAM} are read from a source without a size; save it as a file and name that file"
+    )]
     Stream { read: usize },
+    #[error("no line ends within {read} bytes, but a line may have at most {LINE}; name a text file")]
     Line { read: usize },
+    #[error("its {size} bytes do not fit into the free memory; free some or split the file")]
     Memory { size: usize },
+    #[error("its {packed} packed bytes unpack to more than the limit of {most}; unpack it and name the unpacked file")]
     Unpacked { packed: usize, most: usize },
 }
-
-impl fmt::Display for TooMuch {
-    fn fmt(&self, out: &mut fmt::Formatter) -> fmt::Result {
-        match self {
-            Self::Stream { read } => write!(
-                out,
-                "it continues after {read} bytes, but at most {STREAM} are read from a source without a size; save it as a file and name that file"
-            ),
-            Self::Line { read } => {
-                write!(out, "no line ends within {read} bytes, but a line may have at most {LINE}; name a text file")
-            }
-            Self::Unpacked { packed, most } => write!(
-                out,
-                "its {packed} packed bytes unpack to more than the limit of {most}; unpack it and name the unpacked file"
-            ),
-            Self::Memory { size } => {
-                write!(out, "its {size} bytes do not fit into the free memory; free some or split the file")
-            }
-        }
-    }
-}
-
-impl Error for TooMuch {}
 
 impl From<TooMuch> for io::Error {
     fn from(error: TooMuch) -> Self {
@@ -66,14 +47,9 @@ pub(crate) fn is_too_much(error: &io::Error) -> bool {
     matches!(error.kind(), ErrorKind::OutOfMemory | ErrorKind::FileTooLarge)
 }
 
-/// Whether a path stands for standard input.
-pub(crate) fn is_standard_input(path: &Path) -> bool {
-    path == Path::new("-")
-}
-
 /// Reads the whole text of a file.
 pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
-    if is_standard_input(path) {
+    if path == Path::new("-") {
         return plain::text(stored(io::stdin().lock(), 0)?);
     }
     let file = File::open(path)?;

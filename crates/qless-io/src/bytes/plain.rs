@@ -3,7 +3,6 @@
 //!
 //! Line numbers stay those that an editor shows.
 
-use std::fmt;
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 
@@ -17,29 +16,15 @@ const SMALL: usize = 1 << 26;
 const RATIO: usize = 200;
 
 /// Why packed or encoded text cannot be read.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 enum Damaged {
+    #[error("it starts as gzip data, which are damaged: {0}; pack it again")]
     Gzip(io::Error),
+    #[error("it is UTF-16, but ends within a character; save it again, as UTF-8 where possible")]
     OddUtf16,
+    #[error("it is UTF-16, but byte {byte} (from 1) begins no character; save it again, as UTF-8 where possible")]
     Surrogate { byte: usize },
 }
-
-impl fmt::Display for Damaged {
-    fn fmt(&self, out: &mut fmt::Formatter) -> fmt::Result {
-        match self {
-            Self::Gzip(error) => write!(out, "it starts as gzip data, which are damaged: {error}; pack it again"),
-            Self::OddUtf16 => {
-                write!(out, "it is UTF-16, but ends within a character; save it again, as UTF-8 where possible")
-            }
-            Self::Surrogate { byte } => write!(
-                out,
-                "it is UTF-16, but byte {byte} (from 1) begins no character; save it again, as UTF-8 where possible"
-            ),
-        }
-    }
-}
-
-impl std::error::Error for Damaged {}
 
 impl From<Damaged> for io::Error {
     fn from(error: Damaged) -> Self {

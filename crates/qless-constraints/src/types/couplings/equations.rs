@@ -69,7 +69,7 @@ pub fn check<'a>(
         if own.at.iter().any(|x| !x.is_finite()) {
             return Err(CouplingError::NoPlace { node });
         }
-        if !own.has_any() {
+        if !Component::ALL.into_iter().any(|component| own.has(component)) {
             return Err(CouplingError::NoComponents { node });
         }
         if let Some(component) = own.without_dofs() {

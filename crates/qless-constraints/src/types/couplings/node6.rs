@@ -133,11 +133,6 @@ impl Node6 {
         self.local.map_or(self.dofs[k].is_some(), |local| local.listed[k])
     }
 
-    /// Whether any component is coupled.
-    pub(crate) fn has_any(&self) -> bool {
-        Component::ALL.into_iter().any(|component| self.has(component))
-    }
-
     /// The axis of a component.
     pub(crate) fn axis(&self, component: Component) -> Vector<f64> {
         let k = component as usize % 3;
@@ -229,7 +224,10 @@ impl Axes {
         let (first, other) = (unit(x).ok_or(fault)?, unit(xy).ok_or(fault)?);
         let second = across(first, other).ok_or(fault)?;
         let third = unit(cross(first, second)).ok_or(fault)?;
-        Ok(Self { rows: cleaned([first, second, third]) })
+        let mut rows = [first, second, third];
+        // Components that are only rounding would become coefficients.
+        rows.iter_mut().for_each(|row| clean(row.iter_mut(), 1.0));
+        Ok(Self { rows })
     }
 
     /// Cylindrical axes at the point `at`: radial, circumferential and axial, for the line through `origin` along
@@ -239,12 +237,8 @@ impl Axes {
     /// [`AxesError`] if `axis` is zero, a vector is not finite, or the point lies on the line, up to 1e-8 of its distance
     /// from `origin`.
     pub fn cylindrical(origin: Vector<f64>, axis: Vector<f64>, at: Vector<f64>) -> Result<Self, AxesError> {
-        let arm = sub(at, origin);
-        let fault = AxesError::NoPlane { first: axis, second: arm };
-        let (along, away) = (unit(axis).ok_or(fault)?, unit(arm).ok_or(fault)?);
-        let out = across(along, away).ok_or(fault)?;
-        let around = unit(cross(along, out)).ok_or(fault)?;
-        Ok(Self { rows: cleaned([out, around, along]) })
+        let Self { rows: [along, out, around] } = Self::new(axis, sub(at, origin))?;
+        Ok(Self { rows: [out, around, along] })
     }
 
     /// The three axes.
@@ -259,10 +253,4 @@ fn across(e: Vector<f64>, other: Vector<f64>) -> Option<Vector<f64>> {
     let rest = part(other);
     // Orthogonalise twice: if the first result is short, its rounding errors are large, relative to its length.
     if norm(rest) > HALF_DIGITS { unit(part(rest)) } else { None }
-}
-
-/// Sets components that are only rounding to zero. Otherwise they would become coefficients of equations.
-fn cleaned(mut rows: [Vector<f64>; 3]) -> [Vector<f64>; 3] {
-    rows.iter_mut().for_each(|row| clean(row.iter_mut(), 1.0));
-    rows
 }

@@ -194,7 +194,10 @@ impl Constraint for RigidBody {
         if !self.body.turns() {
             return Err(CouplingError::NoRotations);
         }
-        check(&reference_node(&self.body), self.nodes.iter(), RepeatedNodes::Refused)?;
+        // The body as a node, without the fourth Euler parameter.
+        let r = self.body.rotation_dofs();
+        let reference = Node6::new(self.body.position, [r[0], r[1], r[2]], self.body.at);
+        check(&reference, self.nodes.iter(), RepeatedNodes::Refused)?;
         for i in 0..self.nodes.len() {
             self.translations(sink, i);
             self.rotations(sink, i)?;
@@ -207,10 +210,4 @@ impl Constraint for RigidBody {
 fn point(node: &Node6) -> Option<Point> {
     let [x, y, z, ..] = node.dofs;
     Some(Point::new([x?, y?, z?], node.at))
-}
-
-/// The body as a node for the checks, without the fourth Euler parameter.
-fn reference_node(body: &Body) -> Node6 {
-    let r = body.rotation_dofs();
-    Node6::new(body.position, [r[0], r[1], r[2]], body.at)
 }

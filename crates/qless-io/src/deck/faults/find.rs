@@ -170,7 +170,8 @@ struct CoupledDof {
 fn coupled_faults(model: &Model, prescribed: &FxHashMap<u32, Origin>, left_out: &[bool]) -> Vec<EquationFault> {
     let mut known: FxHashMap<u32, CoupledDof> = FxHashMap::default();
     let mut faults = Vec::new();
-    for (equation, card) in coupled_equations(model, left_out) {
+    let kept = (0..model.equations()).filter(|&i| !left_out[i]).map(|i| (i, model.nth(i).origin.card));
+    for (equation, card) in kept.filter(|&(_, card)| model.cards.nth(card).name.is_numbered("CP")) {
         let [slave, first] = model.nth(equation).columns[..] else { continue };
         for (column, is_first) in [(slave, false), (first, true)] {
             let fault = |kind| EquationFault { equation, slave: model.dofs[column as usize], kind };
@@ -187,12 +188,6 @@ fn coupled_faults(model: &Model, prescribed: &FxHashMap<u32, Origin>, left_out: 
         }
     }
     faults
-}
-
-/// The equations of coupled sets that are not left out, each with its card.
-fn coupled_equations<'a>(model: &'a Model, left_out: &'a [bool]) -> impl Iterator<Item = (usize, u32)> + 'a {
-    let kept = (0..model.equations()).filter(|&i| !left_out[i]);
-    kept.map(|i| (i, model.nth(i).origin.card)).filter(|&(_, card)| model.cards.nth(card).name.is_numbered("CP"))
 }
 
 /// Finds masters that an `*EQUATION` names twice. ccx 2.20 adds up such terms only if the slave is named twice too, or if it inserts

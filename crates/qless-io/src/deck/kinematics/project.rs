@@ -168,12 +168,8 @@ mod shape {
             }
         }
 
-        fn is_triangle(self) -> bool {
-            matches!(self, Self::Triangle3 | Self::Triangle6)
-        }
-
         pub fn centre(self) -> [f64; 2] {
-            if self.is_triangle() { [1.0 / 3.0; 2] } else { [0.0; 2] }
+            if matches!(self, Self::Triangle3 | Self::Triangle6) { [1.0 / 3.0; 2] } else { [0.0; 2] }
         }
 
         /// The parameters s and t, clamped to the face.

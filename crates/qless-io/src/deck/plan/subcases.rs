@@ -11,7 +11,7 @@ use rustc_hash::FxHashSet;
 use super::card_edits::edit_of;
 use super::steps::{LateRemoval, plan as common_plan, plan_for};
 use super::{Cases, CleanError, Plan, PlanOptions, Reason, Removed, Written};
-use crate::deck::{Deck, LoadCase, Model};
+use crate::deck::{Deck, Model};
 
 /// Makes one plan for all subcases, or else one for each group of subcases that constrain alike.
 pub fn plan(deck: &Deck, options: PlanOptions) -> Result<Plan, CleanError> {
@@ -37,8 +37,14 @@ fn groups(model: &Model) -> Vec<Vec<usize>> {
 fn plan_groups(deck: &Deck, options: PlanOptions) -> Result<Plan, CleanError> {
     let model = &deck.model;
     let groups = groups(model);
-    let plans =
-        groups.iter().map(|group| plan_group(deck, &model.cases[group[0]], options)).collect::<Result<Vec<_>, _>>()?;
+    let mut plans = Vec::with_capacity(groups.len());
+    for group in &groups {
+        let case = &model.cases[group[0]];
+        let mut plan = plan_for(deck, std::slice::from_ref(case), options)?;
+        // The plan of a case does not touch equations outside of it.
+        plan.removed.retain(|removed| case.removed.binary_search(&(removed.equation as u32)).is_err());
+        plans.push(plan);
+    }
     let mut reasons: BTreeMap<usize, Reason> = BTreeMap::new();
     for removed in plans.iter().flat_map(|plan| &plan.removed) {
         reasons.entry(removed.equation).or_insert_with(|| removed.reason.clone());
@@ -60,13 +66,6 @@ fn plan_groups(deck: &Deck, options: PlanOptions) -> Result<Plan, CleanError> {
     }
     let removed = reasons.into_iter().map(|(equation, reason)| Removed { equation, reason }).collect();
     Ok(Plan { removed, written, ended: Vec::new() })
-}
-
-/// Makes the plan for one load case alone. Equations that do not hold in this load case stay as they are.
-fn plan_group(deck: &Deck, case: &LoadCase, options: PlanOptions) -> Result<Plan, CleanError> {
-    let mut plan = plan_for(deck, std::slice::from_ref(case), options)?;
-    plan.removed.retain(|removed| case.removed.binary_search(&(removed.equation as u32)).is_err());
-    Ok(plan)
 }
 
 /// Equation `i` of the deck, divided by the coefficient of its slave.

@@ -56,11 +56,6 @@ impl ValueEvent {
     fn has_all_components(&self) -> bool {
         self.components[0] == 0
     }
-
-    fn listed_components(&self) -> &[u8] {
-        let count = self.components.iter().take_while(|component| **component != 0).count();
-        &self.components[..count]
-    }
 }
 
 /// An equation that holds only in load steps `first..=last`.
@@ -142,7 +137,8 @@ impl<'a> EventReplay<'a> {
             return self.check_held();
         }
         let all = event.has_all_components().then(|| self.components.clone());
-        let components = all.as_deref().unwrap_or_else(|| event.listed_components());
+        let listed = event.components.iter().take_while(|component| **component != 0).count();
+        let components = all.as_deref().unwrap_or(&event.components[..listed]);
         for (first, last, step) in self.ranges(&event.nodes) {
             let nodes = self.members(first, last);
             self.spend(nodes.len().saturating_mul(components.len()).saturating_add(1))?;

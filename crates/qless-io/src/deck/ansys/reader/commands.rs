@@ -23,16 +23,11 @@ impl AnsysReader {
         let result = self.named(command, next);
         self.last_name = name;
         if repeats {
-            self.keep_text(from);
+            // A command that begins with a comma repeats the name of the previous one, so the text of both commands must stay.
+            let places = self.places.iter_mut().flatten().skip(from.saturating_sub(1));
+            places.for_each(|place| place.repeats = true);
         }
         result
-    }
-
-    /// Marks the commands from index `from` on, and the one before them, as repeated. A command that begins with a comma repeats the name
-    /// of the previous one, so the text of both must stay.
-    fn keep_text(&mut self, from: usize) {
-        let places = self.places.iter_mut().flatten().skip(from.saturating_sub(1));
-        places.for_each(|place| place.repeats = true);
     }
 
     fn named(&mut self, mut command: AnsysCommand, next: Option<TextPosition>) -> Result<(), DeckError> {

@@ -185,17 +185,13 @@ impl FlowControl {
         if !has("EXIT") && !has("CYCLE") {
             return false;
         }
-        match holds {
-            Some(_) => self.leave(has("CYCLE")),
-            None => self.forget_loops(),
+        if holds.is_some() {
+            self.leave(has("CYCLE"));
+        } else {
+            let loops = self.blocks.iter_mut().filter(|block| matches!(block, FlowBlock::Loop(_)));
+            loops.for_each(|block| *block = FlowBlock::Unknown);
         }
         true
-    }
-
-    /// Marks the open loops as unknown, because it is unknown whether an `*EXIT` or `*CYCLE` is executed.
-    fn forget_loops(&mut self) {
-        let loops = self.blocks.iter_mut().filter(|block| matches!(block, FlowBlock::Loop(_)));
-        loops.for_each(|block| *block = FlowBlock::Unknown);
     }
 
     /// Executes `*ELSEIF` or `*ELSE`: ends one branch of `*IF` and begins the next.

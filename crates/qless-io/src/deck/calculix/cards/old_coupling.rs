@@ -52,9 +52,12 @@ pub fn distributing_coupling(
 ) -> Result<(), DeckError> {
     let place = RegisteredCard::register(card, model, "*DISTRIBUTING COUPLING");
     let rows = || {
-        let (reference, weights) = weights(card, definitions)?;
+        let (reference, mut weights) = weights(card, definitions)?;
         if solver == Solver::Ccx {
-            return plain_mean(definitions, reference, weights);
+            weights.push((reference, -weights.iter().map(|(_, weight)| weight).sum::<f64>()));
+            let gradients = |axis: Vector| weights.iter().map(|&(node, w)| (node, scaled(axis, w))).collect::<Vec<_>>();
+            let row = |&axis: &Vector| CardEquation::along(definitions, &gradients(axis), 0.0);
+            return BASIC_AXES.iter().map(row).collect();
         }
         let group = |(node, weight)| WeightedNodes { weight, components: translations(), nodes: vec![node] };
         mean(definitions, reference, &[1, 2, 3, 4, 5, 6], weights.into_iter().map(group).collect())
@@ -81,15 +84,4 @@ fn weights(card: &KeywordCard, definitions: &DeckDefinitions) -> Result<(u32, Ve
         weights.extend(nodes.into_iter().map(|node| (node, weight)));
     }
     Ok((reference, weights))
-}
-
-fn plain_mean(
-    of: &DeckDefinitions,
-    reference: u32,
-    mut weights: Vec<(u32, f64)>,
-) -> Result<Vec<CardEquation>, Problem> {
-    let total: f64 = weights.iter().map(|(_, weight)| weight).sum();
-    weights.push((reference, -total));
-    let gradients = |axis: Vector| weights.iter().map(|&(node, w)| (node, scaled(axis, w))).collect::<Vec<_>>();
-    BASIC_AXES.iter().map(|&axis| CardEquation::along(of, &gradients(axis), 0.0)).collect()
 }

@@ -56,7 +56,11 @@ impl AssemblyExpansion {
     /// Visits a card. After an `*INSTANCE` card, also visits the cards of its part.
     pub fn card(&mut self, card: &KeywordCard, visit: Visit) -> Result<(), Stop> {
         match card.keyword.as_slice() {
-            b"*PART" => self.begin_part(card),
+            b"*PART" => {
+                let part = card.word("NAME").unwrap_or_default();
+                self.cards.entry(part.clone()).or_default();
+                self.place = Enclosing::Part(part);
+            }
             b"*ENDPART" | b"*ENDINSTANCE" => self.place = Enclosing::Deck,
             b"*INSTANCE" => self.instance(card, visit)?,
             _ => match &self.place {
@@ -66,12 +70,6 @@ impl AssemblyExpansion {
             },
         }
         Ok(())
-    }
-
-    fn begin_part(&mut self, card: &KeywordCard) {
-        let part = card.word("NAME").unwrap_or_default();
-        self.cards.entry(part.clone()).or_default();
-        self.place = Enclosing::Part(part);
     }
 
     fn instance(&mut self, card: &KeywordCard, visit: Visit) -> Result<(), Stop> {

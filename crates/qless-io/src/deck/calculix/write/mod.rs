@@ -138,12 +138,11 @@ impl CalculixWriter<'_> {
             }
         } else if is_include(keyword) {
             if let Some(inner) = card_input(keyword).and_then(|name| self.included(&name, file)) {
-                let text = self.file(inner)?;
-                edits.replace(
-                    line,
-                    lines,
-                    [b"** qless: included here, because it was changed\n", &*with_end(text)].concat(),
-                );
+                let mut text = [b"** qless: included here, because it was changed\n", &*self.file(inner)?].concat();
+                if !text.ends_with(b"\n") {
+                    text.push(b'\n');
+                }
+                edits.replace(line, lines, text);
             }
         } else if word.starts_with(b"*EQUATION") && !is_removal(keyword) {
             let input = card_input(keyword).and_then(|name| self.included(&name, file));
@@ -189,13 +188,6 @@ impl CalculixWriter<'_> {
 
 fn is_data(row: &[u8]) -> bool {
     !row.starts_with(b"**") && row.iter().any(|byte| !byte.is_ascii_whitespace())
-}
-
-fn with_end(mut text: Vec<u8>) -> Vec<u8> {
-    if !text.ends_with(b"\n") {
-        text.push(b'\n');
-    }
-    text
 }
 
 /// Comment that says why an equation was removed.

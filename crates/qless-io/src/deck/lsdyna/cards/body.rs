@@ -70,18 +70,10 @@ fn held_at_centre(line: &DynaLine) -> Result<Components, Gap> {
     }
 }
 
-/// The equations of a node that is added to a rigid body.
-pub fn extra_node(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
-    extra(&lines[0], false, all)
-}
-
-/// The equations of a set of nodes that are added to a rigid body.
-pub fn extra_set(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
-    extra(&lines[0], true, all)
-}
-
-fn extra(line: &DynaLine, is_set: bool, all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
-    let (body, nodes) = (all.named(line, 0)?, all.mesh.node_list(is_set, line, 1)?);
+/// Equations of a node, or of a set of nodes, that is added to a body.
+pub fn extra<const IS_SET: bool>(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
+    let line = &lines[0];
+    let (body, nodes) = (all.named(line, 0)?, all.mesh.node_list(IS_SET, line, 1)?);
     if line.whole(2)? != 1 {
         all.move_centre(line.id(0)?);
     }

@@ -9,14 +9,13 @@
 //! ```
 
 use super::{GroupMeaning, coded};
+use crate::deck::Dof;
 use crate::deck::kinematics::body::CouplingEquation;
 use crate::deck::kinematics::components::Components;
 use crate::deck::kinematics::mean::{MeanElement, WeightedNodes};
 use crate::deck::lsdyna::model::bodies::DynaDefinitions;
 use crate::deck::lsdyna::model::mesh::{DynaMesh, Gap};
 use crate::deck::lsdyna::syntax::fields::{DynaLine, KeywordFault};
-use crate::deck::{Dof, Problem};
-use crate::fault::quote;
 
 /// The equations by which a dependent node moves as the weighted mean of the independent nodes.
 pub fn interpolation(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
@@ -43,9 +42,7 @@ pub fn interpolation(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<Gr
 fn components(line: &DynaLine, field: usize, node: u32, mesh: &DynaMesh) -> Result<Components, KeywordFault> {
     let code = line.whole(field)?;
     let given = if code == 0 { Some(Components::ALL) } else { Components::parse(code.to_string().as_bytes()) };
-    let found = || quote(line.field(field));
-    let all = given
-        .ok_or_else(|| line.fault_at(field, Problem::Expected { expected: "digits from 1 to 6", found: found() }))?;
+    let all = given.ok_or_else(|| line.expected(field, "digits from 1 to 6"))?;
     Ok(if mesh.rotates(node) { all } else { all.and(Components::TRANSLATIONS) })
 }
 
@@ -64,10 +61,7 @@ pub fn linear(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMean
     let mut terms = Vec::new();
     for line in lines[1..].iter().filter(|line| !line.is_blank()) {
         let component = u8::try_from(line.whole(1)?).ok().filter(|component| (1..=7).contains(component));
-        let component = component.ok_or_else(|| {
-            let found = quote(line.field(1));
-            line.fault_at(1, Problem::Expected { expected: "a degree of freedom from 1 to 7", found })
-        })?;
+        let component = component.ok_or_else(|| line.expected(1, "a degree of freedom from 1 to 7"))?;
         let node = all.mesh.node_list(false, line, 0)?[0];
         terms.push((Dof { node, component }, line.number(2)?.unwrap_or(0.0)));
     }

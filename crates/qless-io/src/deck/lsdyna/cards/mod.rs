@@ -12,7 +12,6 @@ use super::syntax::fields::{DynaLine, KeywordFault};
 use crate::deck::kinematics::body::CouplingEquation;
 use crate::deck::kinematics::components::Components;
 use crate::deck::{Dof, Problem};
-use crate::fault::quote;
 
 /// What a group of lines of a card means: equations, prescribed DOFs and messages.
 #[derive(Default)]
@@ -69,9 +68,7 @@ pub fn dofs(nodes: Vec<u32>, set: Components) -> impl Iterator<Item = Dof> {
 /// translations, 4 for rotations.
 pub fn coded(line: &DynaLine, field: usize, first: u8) -> Result<Components, KeywordFault> {
     const AXES: [&[u8]; 8] = [&[], &[0], &[1], &[2], &[0, 1], &[1, 2], &[2, 0], &[0, 1, 2]];
-    let axes = usize::try_from(line.whole(field)?).ok().and_then(|code| AXES.get(code)).ok_or_else(|| {
-        let found = quote(line.field(field));
-        line.fault_at(field, Problem::Expected { expected: "a code of directions from 0 to 7", found })
-    })?;
+    let axes = usize::try_from(line.whole(field)?).ok().and_then(|code| AXES.get(code));
+    let axes = axes.ok_or_else(|| line.expected(field, "a code of directions from 0 to 7"))?;
     Ok(axes.iter().fold(Components::default(), |set, axis| set.with(first + axis)))
 }

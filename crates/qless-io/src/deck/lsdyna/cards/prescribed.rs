@@ -26,15 +26,9 @@ pub fn node(lines: &[DynaLine], _: &mut DynaDefinitions) -> Result<GroupMeaning,
     Ok(GroupMeaning::default().with_held(&line, dofs(vec![line.id(0)?], held)))
 }
 
-/// The components that a support holds at zero at a node.
-pub fn node_support(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
-    let nodes = all.mesh.node_list(false, &lines[0], 0)?;
-    Ok(GroupMeaning::default().with_held(&lines[0], dofs(nodes, supported(&lines[0])?)))
-}
-
-/// The components that a support holds at zero at the nodes of a set.
-pub fn set_support(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
-    let nodes = all.mesh.node_list(true, &lines[0], 0)?;
+/// Components that a support of a node or of a node set holds at zero.
+pub fn support<const IS_SET: bool>(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
+    let nodes = all.mesh.node_list(IS_SET, &lines[0], 0)?;
     Ok(GroupMeaning::default().with_held(&lines[0], dofs(nodes, supported(&lines[0])?)))
 }
 
@@ -55,14 +49,9 @@ fn supported(line: &DynaLine) -> Result<Components, Gap> {
     Ok(held)
 }
 
-/// The motion that the card prescribes for a node.
-pub fn node_motion(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
-    motion(&lines[0], all.mesh.node_list(false, &lines[0], 0)?)
-}
-
-/// The motion that the card prescribes for the nodes of a set.
-pub fn set_motion(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
-    motion(&lines[0], all.mesh.node_list(true, &lines[0], 0)?)
+/// Motion of a node or of a node set.
+pub fn node_motion<const IS_SET: bool>(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
+    motion(&lines[0], all.mesh.node_list(IS_SET, &lines[0], 0)?)
 }
 
 /// The motion that the card prescribes for the centre of mass of a rigid body.

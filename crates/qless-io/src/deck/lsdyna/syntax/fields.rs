@@ -127,16 +127,12 @@ impl<'a> DynaLine<'a> {
         if value.fract() == 0.0 && value.abs() <= f64::from(u32::MAX) {
             return Ok(value as i64);
         }
-        let found = quote(self.field(field));
-        Err(self.fault_at(field, Problem::Expected { expected: "a whole number of at most 32 bits", found }))
+        Err(self.expected(field, "a whole number of at most 32 bits"))
     }
 
     /// The number of a node, a set and the like in a field; 0 if the field is blank.
     pub fn id(&self, field: usize) -> Result<u32, KeywordFault> {
-        let found = || quote(self.field(field));
-        let expected = "a number from 0 to 4294967295";
-        u32::try_from(self.whole(field)?)
-            .map_err(|_| self.fault_at(field, Problem::Expected { expected, found: found() }))
+        u32::try_from(self.whole(field)?).map_err(|_| self.expected(field, "a number from 0 to 4294967295"))
     }
 
     /// Three coordinates, in the fields from `first` on. Blank fields are 0.
@@ -152,6 +148,11 @@ impl<'a> DynaLine<'a> {
     pub fn ids(&self, first: usize, most: usize) -> Result<Vec<u32>, KeywordFault> {
         let ids: Result<Vec<u32>, KeywordFault> = (first..first + most).map(|field| self.id(field)).collect();
         Ok(ids?.into_iter().filter(|&id| id != 0).collect())
+    }
+
+    /// The fault that a field does not hold `expected`.
+    pub fn expected(&self, field: usize, expected: &'static str) -> KeywordFault {
+        self.fault_at(field, Problem::Expected { expected, found: quote(self.field(field)) })
     }
 
     pub fn fault_at(&self, field: usize, problem: Problem) -> KeywordFault {

@@ -101,26 +101,19 @@ impl CardAssembly {
                 self.continuations.start_next(name, line.text, line.at());
                 Ok(())
             }
-            before => self.start_piece(before, name, own.is_empty(), line),
+            // The line continues neither a card nor a piece before it.
+            before => {
+                if before == LineBefore::Read && own.is_empty() && self.copies.is_none() {
+                    self.continuations.claim_next(std::mem::take(&mut self.card));
+                } else {
+                    self.end_card()?;
+                }
+                let may_be_unread = before == LineBefore::Unread && own.is_empty();
+                self.continuations.start(name, line.text, line.at(), may_be_unread);
+                self.before = LineBefore::Piece;
+                Ok(())
+            }
         }
-    }
-
-    /// Stores a continuation line that does not continue the line before it. It starts a new piece: lines whose card is not known yet.
-    fn start_piece(
-        &mut self,
-        before: LineBefore,
-        name: Vec<u8>,
-        names_none: bool,
-        line: &DeckLine,
-    ) -> Result<(), NamedRefusal> {
-        if before == LineBefore::Read && names_none && self.copies.is_none() {
-            self.continuations.claim_next(std::mem::take(&mut self.card));
-        } else {
-            self.end_card()?;
-        }
-        self.continuations.start(name, line.text, line.at(), before == LineBefore::Unread && names_none);
-        self.before = LineBefore::Piece;
-        Ok(())
     }
 
     /// Whether the line makes copies that this reader must handle. Copies of a skipped card are skipped with it.

@@ -112,7 +112,9 @@ impl BulkData {
             "MOMENT" => self.loads.push(loads::vector(card, 4)?),
             "SLOAD" => self.loads.extend(loads::scalars(card)?),
             "MPC" => {
-                self.ties.mpc(self.mpc_set(card)?, (card.file, card.line, card.span()), terms(card)?);
+                // MYSTRAN accepts set 0.
+                let set = if self.is_mystran { card.optional_whole(0, SET)?.unwrap_or_default() } else { set(card)? };
+                self.ties.mpc(set, (card.file, card.line, card.span()), terms(card)?);
                 self.note_apart(card);
             }
             name if name.starts_with("CORD") => self.frame(card)?,
@@ -125,11 +127,6 @@ impl BulkData {
             },
         }
         Ok(())
-    }
-
-    /// The number of the set of an `MPC` card. Only MYSTRAN accepts set 0.
-    fn mpc_set(&self, card: &BulkCard) -> Result<u32, CardRefusal> {
-        if self.is_mystran { card.optional_whole(0, SET).map(Option::unwrap_or_default) } else { set(card) }
     }
 
     /// Notes that a card is not understood. Components of `SUPORT` still count as members of their exclusive set.

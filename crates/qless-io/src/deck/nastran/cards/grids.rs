@@ -69,7 +69,8 @@ impl Grids {
         }
         let mut all: Vec<GridPoint> = std::mem::take(&mut self.all).into_items().collect();
         all.sort_by_key(|grid| grid.id);
-        let differs = |pair: &&[GridPoint]| pair[0].id == pair[1].id && !self.are_same(&pair[0], &pair[1]);
+        let data = |grid: &GridPoint| (grid.at, self.fields(grid));
+        let differs = |pair: &&[GridPoint]| pair[0].id == pair[1].id && data(&pair[0]) != data(&pair[1]);
         if let Some([first, second]) = all.windows(2).find(differs) {
             return Err(Box::new((first.id, [self.place(first), self.place(second)])));
         }
@@ -78,10 +79,6 @@ impl Grids {
         all.dedup_by_key(|grid| grid.id);
         self.all = all.into_iter().collect();
         Ok(())
-    }
-
-    fn are_same(&self, a: &GridPoint, b: &GridPoint) -> bool {
-        a.at == b.at && self.fields(a) == self.fields(b)
     }
 
     /// The place of the card that defines a point.

@@ -38,8 +38,15 @@ pub fn sets(
     for (name, selection) in selections {
         let mpc = members_of(selection.mpc, &bulk.mpc_unions, model)?;
         let spc = members_of(selection.spc, &bulk.spc_unions, model)?;
-        note_missing("MPC", selection.mpc, &mpc, &defined.mpc, &mut missing);
-        note_missing("SPC", selection.spc, &spc, &defined.spc, &mut missing);
+        let kinds = [("MPC", selection.mpc, &mpc, &defined.mpc), ("SPC", selection.spc, &spc, &defined.spc)];
+        for (kind, choice, members, defined) in kinds {
+            for set in members.iter().filter(|set| !defined.contains_key(set)) {
+                if let Some(SetChoice { file, line, set: chosen }) = choice {
+                    let text = format!("{kind} = {chosen} selects set {set}, which no {kind} card defines");
+                    missing.insert((file, line, text));
+                }
+            }
+        }
         let loads = selection.load.map(|choice| parts(choice.set, &bulk.combinations)).unwrap_or_default();
         cases.push((name, CaseSets { mpc, spc, loads }));
     }
@@ -50,28 +57,15 @@ pub fn sets(
             model.warn(file, line, format!("{text}: it constrains nothing"));
         }
     }
-    defined.warn_of_unused(&cases, model);
+    warn_unused("MPC", &defined.mpc, |set| cases.iter().any(|(_, sets)| sets.mpc.contains(&set)), model);
+    warn_unused("SPC", &defined.spc, |set| cases.iter().any(|(_, sets)| sets.spc.contains(&set)), model);
+    warn_unused("SPCD", &defined.enforced, |set| cases.iter().any(|(_, sets)| sets.loads.contains_key(&set)), model);
     Ok(cases)
 }
 
 fn members_of(choice: Option<SetChoice>, unions: &SetUnions, model: &mut Model) -> Result<BTreeSet<u32>, DeckError> {
     let members = choice.map(|choice| members(choice.set, unions)).transpose();
     Ok(members.map_err(|(place, problem)| place.error(problem, model))?.unwrap_or_default())
-}
-
-fn note_missing(
-    kind: &str,
-    choice: Option<SetChoice>,
-    members: &BTreeSet<u32>,
-    defined: &SetUses,
-    missing: &mut BTreeSet<(u32, u32, String)>,
-) {
-    for set in members.iter().filter(|set| !defined.contains_key(set)) {
-        if let Some(SetChoice { file, line, set: chosen }) = choice {
-            let text = format!("{kind} = {chosen} selects set {set}, which no {kind} card defines");
-            missing.insert((file, line, text));
-        }
-    }
 }
 
 /// For each number of a set: the place of its first card, and the number of its cards.
@@ -96,12 +90,6 @@ impl DefinedSets {
         bulk.supports.iter().for_each(|(set, _, place)| count(&mut all.spc, *set, place, 1));
         bulk.enforced.iter().for_each(|(set, _, place)| count(&mut all.enforced, *set, place, 1));
         all
-    }
-
-    fn warn_of_unused(&self, cases: &[(String, CaseSets)], model: &mut Model) {
-        warn_unused("MPC", &self.mpc, |set| cases.iter().any(|(_, sets)| sets.mpc.contains(&set)), model);
-        warn_unused("SPC", &self.spc, |set| cases.iter().any(|(_, sets)| sets.spc.contains(&set)), model);
-        warn_unused("SPCD", &self.enforced, |set| cases.iter().any(|(_, sets)| sets.loads.contains_key(&set)), model);
     }
 }
 
@@ -199,7 +187,10 @@ fn inherit(selections: &mut [(String, CaseSelection)], bulk: &BulkData, model: &
         }
     }
     if selections.iter().all(|(_, selection)| selection.mpc.is_none()) {
-        selections.iter_mut().for_each(|(_, selection)| selection.mpc = unnumbered(bulk));
+        // MYSTRAN uses set 0 if no other is selected.
+        let first = bulk.ties.mpcs().find(|card| card.set == 0);
+        let zero = first.map(|card| SetChoice { set: 0, file: card.file, line: card.line });
+        selections.iter_mut().for_each(|(_, selection)| selection.mpc = zero);
     }
 }
 
@@ -210,9 +201,4 @@ fn refuse_second_set(kind: &str, own: SetChoice, before: Option<SetChoice>, mode
         own.set
     );
     model.refuse(own.file, own.line, text);
-}
-
-/// MPC set 0, if the deck has it. MYSTRAN uses this set if no other is selected.
-fn unnumbered(bulk: &BulkData) -> Option<SetChoice> {
-    bulk.ties.mpcs().find(|card| card.set == 0).map(|card| SetChoice { set: 0, file: card.file, line: card.line })
 }

@@ -42,16 +42,19 @@ pub fn build(mut content: NastranContent, sources: &Sources) -> Result<Model, De
     }
     let selections = selected::selections(content.control.as_ref(), &content.bulk, &mut model);
     if content.bulk.is_mystran {
-        refuse_zeros(&content, &mut model);
+        for choice in content.control.iter().flat_map(|control| &control.zeros) {
+            model.refuse(choice.file, choice.line, "MYSTRAN stops at a selection of set 0: remove the line");
+        }
     }
     let cases = selected::sets(selections, &content.bulk, &mut model)?;
-    let sets_of = ties(&content.bulk, &points, &cases, multiplied.is_some(), &mut model)?;
+    let mut building = NastranModel { bulk: &content.bulk, points: &points, model: &mut model };
+    let sets_of = building.ties(&cases, multiplied.is_some())?;
     let mut prescribed = 0;
     for (name, sets) in &cases {
-        let case = cases::case(name, sets, &sets_of, &content.bulk, &points, &mut model)?;
+        let case = building.case(name, sets, &sets_of)?;
         prescribed += case.prescribed.len();
-        limited(prescribed).map_err(|problem| too_many(&model, problem))?;
-        model.cases.push(case);
+        limited(prescribed).map_err(|problem| too_many(building.model, problem))?;
+        building.model.cases.push(case);
     }
     exclusive::claim(&content.bulk.exclusive, &points, &mut model)?;
     model.warnings = brief(std::mem::take(&mut model.warnings));
@@ -74,13 +77,6 @@ pub fn points(bulk: &mut BulkData, model: &mut Model) -> Result<Points, DeckErro
     Ok(points)
 }
 
-/// Refuses selections of set 0, because MYSTRAN stops at them.
-fn refuse_zeros(content: &NastranContent, model: &mut Model) {
-    for choice in content.control.iter().flat_map(|control| &control.zeros) {
-        model.refuse(choice.file, choice.line, "MYSTRAN stops at a selection of set 0: remove the line");
-    }
-}
-
 /// Refuses a second card of a grid point, because MYSTRAN stops there, even if both cards are equal.
 fn refuse_repeated(points: &Points, model: &mut Model) {
     for [first, second] in points.repeated() {
@@ -100,84 +96,103 @@ fn too_many(model: &Model, problem: Problem) -> DeckError {
     DeckError { path: model.files[0].clone(), line: 0, card: "all subcases".into(), field: None, problem }
 }
 
-/// Adds the equations of all elements, and of the `MPC` cards that some load case selects. Returns, for each `MPC` equation, its index and
-/// its set.
-fn ties(
-    bulk: &BulkData,
-    points: &Points,
-    cases: &[(String, CaseSets)],
-    is_multiplied: bool,
-    model: &mut Model,
-) -> Result<Vec<(u32, u32)>, DeckError> {
-    let selected: BTreeSet<u32> = cases.iter().flat_map(|(_, sets)| sets.mpc.iter().copied()).collect();
-    let (mut sets_of, mut row) = (Vec::new(), Vec::new());
-    if !selected.is_empty() {
-        let (cards, terms) = bulk.ties.counts();
-        sets_of.reserve_exact(cards);
-        model.reserve(cards, terms);
-    }
-    for tie in bulk.ties.iter() {
-        match tie {
-            TieCard::Mpc(card) if selected.contains(&card.set) => {
-                sets_of.push((model.equations() as u32, card.set));
-                let place = card.place();
-                mpc(bulk.ties.terms_of(card), &place, (points, bulk), &mut row, model)?;
-                fix_copied(&place, bulk, model);
-            }
-            TieCard::Mpc(_) => {}
-            TieCard::Element(element, place) => {
-                if let Some(card) = add(element, place, bulk, points, model)?.filter(|_| is_multiplied) {
-                    model.keep_by_multipliers(card);
+/// The model that is being built, and what it is built from.
+struct NastranModel<'a> {
+    bulk: &'a BulkData,
+    points: &'a Points,
+    model: &'a mut Model,
+}
+
+impl NastranModel<'_> {
+    /// Adds the equations of all elements, and of the `MPC` cards that some load case selects. Returns, for each `MPC` equation, its index and
+    /// its set.
+    fn ties(&mut self, cases: &[(String, CaseSets)], is_multiplied: bool) -> Result<Vec<(u32, u32)>, DeckError> {
+        let selected: BTreeSet<u32> = cases.iter().flat_map(|(_, sets)| sets.mpc.iter().copied()).collect();
+        let (mut sets_of, mut row) = (Vec::new(), Vec::new());
+        if !selected.is_empty() {
+            let (cards, terms) = self.bulk.ties.counts();
+            sets_of.reserve_exact(cards);
+            self.model.reserve(cards, terms);
+        }
+        for tie in self.bulk.ties.iter() {
+            match tie {
+                TieCard::Mpc(card) if selected.contains(&card.set) => {
+                    sets_of.push((self.model.equations() as u32, card.set));
+                    let place = card.place();
+                    self.mpc(self.bulk.ties.terms_of(card), &place, &mut row)?;
+                    // The text of a card that is a copy or has copies must stay: equations cannot replace it.
+                    if self.bulk.fixed.contains(&(place.file, place.line)) {
+                        let card = place.origin(self.model).card;
+                        self.model.cards.mark_irreplaceable(card, true);
+                    }
+                }
+                TieCard::Mpc(_) => {}
+                TieCard::Element(element, place) => {
+                    if let Some(card) = self.add(element, place)?.filter(|_| is_multiplied) {
+                        self.model.keep_by_multipliers(card);
+                    }
                 }
             }
         }
+        self.model.shrink();
+        Ok(sets_of)
     }
-    model.shrink();
-    Ok(sets_of)
-}
 
-/// If an `MPC` card is a copy or has copies, marks it as one that equations cannot replace: its text must stay.
-fn fix_copied(place: &CardLocation, bulk: &BulkData, model: &mut Model) {
-    if bulk.fixed.contains(&(place.file, place.line)) {
-        let card = place.origin(model).card;
-        model.cards.mark_irreplaceable(card, true);
-    }
-}
-
-/// Adds the equations of an element, and returns the number of its card. Leaves out a weighted mean that is undetermined or cannot be
-/// solved for its dependent components.
-fn add(
-    element: &NastranElement,
-    place: &CardLocation,
-    bulk: &BulkData,
-    points: &Points,
-    model: &mut Model,
-) -> Result<Option<u32>, DeckError> {
-    let equations = match equations(element, points) {
-        Err(problem @ Problem::Card(CardFault::MeanUndetermined { .. } | CardFault::UmSingular)) => {
-            leave_out(element, place, &problem, model);
-            return Ok(None);
+    /// Adds the equations of an element and returns the number of its card. A weighted mean that cannot be solved for its dependent
+    /// components is left out.
+    fn add(&mut self, element: &NastranElement, place: &CardLocation) -> Result<Option<u32>, DeckError> {
+        let equations = match equations(element, self.points) {
+            Err(problem @ Problem::Card(CardFault::MeanUndetermined { .. } | CardFault::UmSingular)) => {
+                self.leave_out(element, place, &problem);
+                return Ok(None);
+            }
+            equations => equations.map_err(|problem| place.error(problem, self.model))?,
+        };
+        let origin = place.origin(self.model);
+        self.model.cards.mark_irreplaceable(origin.card, self.bulk.fixed.contains(&(place.file, place.line)));
+        for equation in equations {
+            self.model.push(equation.terms, 0.0, origin);
         }
-        equations => equations.map_err(|problem| place.error(problem, model))?,
-    };
-    let origin = place.origin(model);
-    model.cards.mark_irreplaceable(origin.card, bulk.fixed.contains(&(place.file, place.line)));
-    for equation in equations {
-        model.push(equation.terms, 0.0, origin);
+        Ok(Some(origin.card))
     }
-    Ok(Some(origin.card))
-}
 
-/// Leaves out a weighted mean that is singular. Its dependent DOFs must still not become slaves, so the model records the claim on them.
-fn leave_out(element: &NastranElement, place: &CardLocation, problem: &Problem, model: &mut Model) {
-    let origin = place.origin(model);
-    model.leave_out(place.file, place.line, format!("{} is left out: {problem}", place.name));
-    let (NastranElement::Mean(mean) | NastranElement::PartialMean(mean)) = element else { return };
-    let own = [(mean.reference, mean.components)];
-    let dependent = if mean.dependent.is_empty() { &own[..] } else { &mean.dependent };
-    let dofs = |&(node, set): &(u32, Components)| set.iter().map(move |component| Dof { node, component });
-    let dofs: Vec<Dof> = dependent.iter().flat_map(dofs).collect();
-    model.claim_left_out(dofs, origin);
+    /// Leaves out a weighted mean that is singular. Its dependent DOFs must still not become slaves, so the model records the claim on them.
+    fn leave_out(&mut self, element: &NastranElement, place: &CardLocation, problem: &Problem) {
+        let origin = place.origin(self.model);
+        self.model.leave_out(place.file, place.line, format!("{} is left out: {problem}", place.name));
+        let (NastranElement::Mean(mean) | NastranElement::PartialMean(mean)) = element else { return };
+        let own = [(mean.reference, mean.components)];
+        let dependent = if mean.dependent.is_empty() { &own[..] } else { &mean.dependent };
+        let dofs = |&(node, set): &(u32, Components)| set.iter().map(move |component| Dof { node, component });
+        let dofs: Vec<Dof> = dependent.iter().flat_map(dofs).collect();
+        self.model.claim_left_out(dofs, origin);
+    }
+
+    /// Adds the equation of an `MPC` card. `row` is a buffer that all cards share.
+    fn mpc(
+        &mut self,
+        terms: impl Iterator<Item = MpcTerm>,
+        place: &CardLocation,
+        row: &mut Vec<(Dof, f64)>,
+    ) -> Result<(), DeckError> {
+        row.clear();
+        let mut is_unknown = false;
+        for (node, set, value) in terms {
+            let kind = self.points.kind(node);
+            is_unknown |= kind == PointKind::Unknown;
+            let dof = Points::dof(node, kind, set).map_err(|fault| place.error(fault.into(), self.model))?;
+            row.push((dof, value));
+        }
+        if is_unknown {
+            self.points.warn_of_unknown(row.iter().map(|(dof, _)| dof.node), place, self.model);
+        }
+        if self.bulk.is_mystran {
+            take_last_of_dependent(row);
+        }
+        let origin = place.origin(self.model);
+        self.model.push(row.iter().copied(), 0.0, origin);
+        Ok(())
+    }
 }
 
 fn equations(element: &NastranElement, points: &Points) -> Result<Vec<CouplingEquation>, Problem> {
@@ -205,33 +220,6 @@ fn joint(element: &RigidElement, points: &Points) -> Result<Vec<CouplingEquation
         }
     }
     element.equations(points)
-}
-
-/// Adds the equation of an `MPC` card. `row` is a buffer for its terms, which all cards share.
-fn mpc(
-    terms: impl Iterator<Item = MpcTerm>,
-    place: &CardLocation,
-    (points, bulk): (&Points, &BulkData),
-    row: &mut Vec<(Dof, f64)>,
-    model: &mut Model,
-) -> Result<(), DeckError> {
-    row.clear();
-    let mut is_unknown = false;
-    for (node, set, value) in terms {
-        let kind = points.kind(node);
-        is_unknown |= kind == PointKind::Unknown;
-        let dof = Points::dof(node, kind, set).map_err(|fault| place.error(fault.into(), model))?;
-        row.push((dof, value));
-    }
-    if is_unknown {
-        points.warn_of_unknown(row.iter().map(|(dof, _)| dof.node), place, model);
-    }
-    if bulk.is_mystran {
-        take_last_of_dependent(row);
-    }
-    let origin = place.origin(model);
-    model.push(row.iter().copied(), 0.0, origin);
-    Ok(())
 }
 
 /// If a card repeats its dependent DOF, keeps only the last coefficient of this DOF, as MYSTRAN does. Repeated terms of other DOFs stay,

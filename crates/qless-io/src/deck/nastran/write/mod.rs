@@ -44,7 +44,8 @@ pub fn write_groups(deck: &Deck, removed: &[Removed], groups: &[EquationGroup]) 
     let targets = MpcTargets::new(&content, deck, removed, groups)?;
     changes.extend(select::changes(&content, &targets));
     if is_written {
-        let at = place_of_new(&content);
+        // New cards stand after `BEGIN BULK`, or at the end of a deck without it.
+        let at = content.landmarks.bulk.or(content.landmarks.end).unwrap_or((0, u32::MAX));
         check_included_once(&content, at, deck)?;
         changes.push((at, 0, new_text(&targets, content.control.is_some())));
     }
@@ -95,11 +96,6 @@ fn check_included_once(content: &NastranContent, (file, line): FileLine, deck: &
             why: "new cards belong here, but this file is included more than once; move BEGIN BULK to the main file",
         }),
     }
-}
-
-/// The place of new cards: after `BEGIN BULK`, or at the end of a deck that has no `BEGIN BULK`.
-fn place_of_new(content: &NastranContent) -> FileLine {
-    content.landmarks.bulk.or(content.landmarks.end).unwrap_or((0, u32::MAX))
 }
 
 fn new_text(targets: &MpcTargets, has_control: bool) -> String {

@@ -32,7 +32,7 @@ pub fn changes(content: &NastranContent, targets: &MpcTargets) -> Vec<TextChange
     let dead =
         |(holder, choice): &&(usize, SetChoice)| targets.dead.contains(&choice.set) && !replaced.contains(holder);
     let common = control.common_choice().filter(|common| !targets.dead.contains(&common.set));
-    let is_used = common.is_some_and(|common| is_in_use(common, control));
+    let is_used = common.is_some() && control.cases().iter().flatten().any(|leaf| leaf.selection.mpc == common);
     if control.mpc_choices.iter().any(|choice| dead(&choice)) {
         changes.extend(common.filter(|_| !is_used).map(|common| removed(&common, "no subcase uses it")));
     }
@@ -43,11 +43,6 @@ pub fn changes(content: &NastranContent, targets: &MpcTargets) -> Vec<TextChange
         changes.push((at, lines, text));
     }
     changes
-}
-
-/// Whether a subcase or step uses the MPC set that is selected before the first subcase.
-fn is_in_use(common: SetChoice, control: &CaseControl) -> bool {
-    control.cases().iter().flatten().any(|leaf| leaf.selection.mpc == Some(common))
 }
 
 /// Lets a subcase or step select this set in place of its own choices.
