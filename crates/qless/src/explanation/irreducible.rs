@@ -67,11 +67,14 @@ impl Analysis {
         if self.are_above(vector, terms, rounding * terms.len() as f64) {
             return (whole, 0);
         }
-        let (limit, must_agree) = (whole.error.max(self.options.tolerance.value()), agrees(&whole));
+        let says = |terms: &[CertificateTerm]| self.says_something(vector, &self.sums(vector.iter().copied(), terms));
+        let limit = whole.error.max(self.options.tolerance.value());
+        let (must_agree, must_say) = (agrees(&whole), says(terms));
         let is_good = |found: &Explanation| found.error <= limit && (agrees(found) || !must_agree);
         let explain = |terms: &[CertificateTerm]| {
-            let terms = terms.iter().copied().filter(|term| term.coefficient != 0.0).collect();
-            Some(self.with_values(vector, terms, None)).filter(is_good)
+            let terms: Vec<_> = terms.iter().copied().filter(|term| term.coefficient != 0.0).collect();
+            let says = says(&terms) || !must_say;
+            Some(self.with_values(vector, terms, None)).filter(|found| says && is_good(found))
         };
         if terms.len() > MOST || !search {
             let found = explain(&self.pruned(terms, NOISE)).unwrap_or(whole);

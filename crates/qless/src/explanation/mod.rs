@@ -248,11 +248,13 @@ impl Analysis {
         (near.map(|near| (near, rounding)), visited + effort)
     }
 
-    /// Returns false if the remainder of each coefficient is as large as the coefficient itself: sums that are far larger hide it.
+    /// Returns false if the remainder is more than half as large as the vector, in scaled columns: sums that are far larger hide it.
     fn says_something(&self, vector: &[(u32, f64)], sums: &[(u32, (f64, f64))]) -> bool {
-        let left = |j: u32| sums.binary_search_by_key(&j, |sum| sum.0).map_or(0.0, |place| sums[place].1.0);
-        let mut free = vector.iter().filter(|&&(j, _)| self.numbering.free[j as usize]).peekable();
-        free.peek().is_none() || free.any(|&(j, value)| left(j).abs() <= value.abs() / 2.0)
+        let size = |(j, value): (u32, f64)| {
+            if self.numbering.free[j as usize] { ldexp(value.abs(), self.scaling.col(j as usize)) } else { 0.0 }
+        };
+        let largest = vector.iter().map(|&term| size(term)).fold(0.0, f64::max);
+        sums.iter().all(|&(j, (left, _))| size((j, left)) <= largest / 2.0)
     }
 
     /// A larger coefficient of a kept equation leaves more than the tolerance: changes of this size make the equations of its component
