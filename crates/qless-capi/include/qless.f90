@@ -168,13 +168,14 @@ module qless
             integer(c_int64_t), value :: room
             integer(c_int64_t) :: count
         end function
-        integer(c_int) function c_reason(analysis, what, index, members, room, rhs, count) bind(c, name="qless_reason")
+        integer(c_int) function c_reason(analysis, what, index, members, room, rhs, irreducible, count) bind(c, name="qless_reason")
             import
             type(c_ptr), value :: analysis
             integer(c_int), value :: what
             integer(c_int64_t), value :: index, room
             type(qless_member) :: members(*)
             real(c_double) :: rhs
+            integer(c_int) :: irreducible
             integer(c_int64_t) :: count
         end function
         integer(c_int) function c_repairs(analysis, groups) bind(c, name="qless_repairs")
@@ -486,20 +487,22 @@ contains
     end subroutine
 
     ! Why an equation is dependent (what = qless_equation) or a DOF fixed (qless_dof); rhs is the right-hand side of the sum of the members.
-    subroutine qless_reason(analysis, what, index, members, rhs, ierr)
+    ! irreducible: 1 if no member can be left out, 0 if that is not known.
+    subroutine qless_reason(analysis, what, index, members, rhs, irreducible, ierr)
         type(qless_analysis), intent(in) :: analysis
         integer(c_int), intent(in) :: what
         integer(c_int64_t), intent(in) :: index
         type(qless_member), intent(out), allocatable :: members(:)
         real(c_double), intent(out) :: rhs
+        integer(c_int), intent(out) :: irreducible
         integer, intent(out) :: ierr
         integer(c_int64_t) :: count
         allocate (members(0))
-        ierr = c_reason(analysis%handle, what, index, members, 0_c_int64_t, rhs, count)
+        ierr = c_reason(analysis%handle, what, index, members, 0_c_int64_t, rhs, irreducible, count)
         if (ierr < 0) return
         deallocate (members)
         allocate (members(count))
-        ierr = c_reason(analysis%handle, what, index, members, count, rhs, count)
+        ierr = c_reason(analysis%handle, what, index, members, count, rhs, irreducible, count)
     end subroutine
 
     ! Number of groups of conflicts that are cured together.

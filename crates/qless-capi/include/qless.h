@@ -145,10 +145,11 @@ QLESS_API int qless_fixed(const qless_analysis *analysis, int32_t *dofs, double 
 QLESS_API int qless_fixed_64(const qless_analysis *analysis, int64_t *dofs, double *values, int64_t room, int64_t *count);
 
 /* Why an equation is dependent (what = QLESS_EQUATION) or a DOF fixed (QLESS_DOF): few equations and prescribed values whose sum over all
- * DOFs is the equation, or u_index = rhs. None can be left out. rhs: right-hand side of the sum; an equation conflicts if its own differs.
- * count is 0 for an independent equation, a DOF that is not fixed, and the equation 0 = b. */
+ * DOFs is the equation, or u_index = rhs. rhs: right-hand side of the sum; an equation conflicts if its own differs. irreducible: 1 if none
+ * can be left out, 0 if that is not known (more than 128 equations, some with small coefficients). count is 0 for an independent equation,
+ * a DOF that is not fixed, and the equation 0 = b. */
 QLESS_API int qless_reason(const qless_analysis *analysis, int what, int64_t index, qless_member *members, int64_t room, double *rhs,
-                           int64_t *count);
+                           int *irreducible, int64_t *count);
 
 /* What to change so that no conflict is left. Conflicts that have numbers in common form a group and are cured together; each way of a
  * group cures all of them, the most plausible way comes first, and all have the same number of changes. At most 16 ways are listed, fewer

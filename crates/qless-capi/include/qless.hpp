@@ -138,6 +138,8 @@ struct Fixed {
 struct Reason {
     std::vector<qless_member> members;
     double rhs;
+    // No member can be left out; false if that is not known.
+    bool is_irreducible;
 };
 
 // Ways to cure conflicts that have numbers in common, the most plausible way first.
@@ -209,10 +211,12 @@ public:
     Reason reason(int what, std::int64_t index) const
     {
         Reason reason{};
+        int irreducible = 0;
         std::int64_t count = 0;
-        detail::need(qless_reason(get(), what, index, nullptr, 0, &reason.rhs, &count));
+        detail::need(qless_reason(get(), what, index, nullptr, 0, &reason.rhs, &irreducible, &count));
         reason.members.resize(static_cast<std::size_t>(count));
-        detail::need(qless_reason(get(), what, index, reason.members.data(), count, &reason.rhs, &count));
+        detail::need(qless_reason(get(), what, index, reason.members.data(), count, &reason.rhs, &irreducible, &count));
+        reason.is_irreducible = irreducible != 0;
         return reason;
     }
 

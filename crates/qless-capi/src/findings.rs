@@ -58,7 +58,7 @@ for_both_indices! { qless_fixed_64 =
 /// Writes few equations and prescribed values, with factors, whose weighted sum is a dependent equation or the value of a fixed DOF.
 ///
 /// # Safety
-/// `members` has room for `room` members; `rhs` and `count` may be written.
+/// `members` has room for `room` members; `rhs`, `irreducible` and `count` may be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn qless_reason(
     analysis: *const qless_analysis,
@@ -67,6 +67,7 @@ pub unsafe extern "C" fn qless_reason(
     members: *mut qless_member,
     room: i64,
     rhs: *mut f64,
+    irreducible: *mut c_int,
     count: *mut i64,
 ) -> c_int {
     on(analysis, |held: Arc<HeldAnalysis>| {
@@ -76,9 +77,13 @@ pub unsafe extern "C" fn qless_reason(
             DOF => held.analysis.explain_fixed(index)?,
             _ => return Err(unknown(what, "QLESS_EQUATION or QLESS_DOF")),
         };
-        let (found, sum) = reason.map_or((Vec::new(), 0.0), |reason| (reason.members, reason.right_hand_side));
+        let Explanation { members: found, right_hand_side, is_irreducible, .. } =
+            reason.unwrap_or_else(|| Explanation::new(Vec::new(), 0.0, 0.0));
         // SAFETY: the caller upholds the contract, here and below.
-        unsafe { set("rhs", rhs, sum) }?;
+        unsafe {
+            set("rhs", rhs, right_hand_side)?;
+            set("irreducible", irreducible, c_int::from(is_irreducible))?;
+        }
         if unsafe { has_room(found.len(), room, "count", count) }? {
             let out = unsafe { write("members", members, found.len() as i64, found.len()) }?;
             for (out, member) in out.iter_mut().zip(found) {

@@ -137,13 +137,15 @@ fn of_analysis(analysis: &Analysis, remark: &str) -> Vec<String> {
 }
 
 fn reason(what: usize, index: usize, found: Option<Explanation>) -> String {
-    let (members, rhs) = found.map_or((Vec::new(), 0.0), |found| (found.members, found.right_hand_side));
+    let Explanation { members, right_hand_side: rhs, is_irreducible, .. } =
+        found.unwrap_or_else(|| Explanation::new(Vec::new(), 0.0, 0.0));
     let member = |member: &Member| match *member {
         Member::Equation { row, coefficient } => format!(" 0:{}:{}", row + 1, printed(coefficient)),
         Member::Prescribed { dof, coefficient, .. } => format!(" 2:{}:{}", dof + 1, printed(coefficient)),
         _ => unreachable!("two kinds of members"),
     };
-    format!("reason {what} {} {}{}", index + 1, printed(rhs), members.iter().map(member).collect::<String>())
+    let members: String = members.iter().map(member).collect();
+    format!("reason {what} {} {} {}{members}", index + 1, printed(rhs), u8::from(is_irreducible))
 }
 
 fn change(&Change { number, from, to, .. }: &Change) -> String {

@@ -169,7 +169,7 @@ impl<'a> Teller<'a> {
         for words in answer.repairs.iter().filter_map(RepairWords::new) {
             answer.text.push(words.heading(row));
             answer.text.extend(words.ways.iter().map(|way| format!("  {way}")));
-            answer.text.extend((words.more > 0).then(|| format!("  and {} more", words.more)));
+            answer.text.extend((words.more > 0).then(|| format!("  and {} more, not verified", words.more)));
         }
     }
 

@@ -4,8 +4,8 @@ import numpy as np
 
 __version__: str
 _Arrays = tuple[np.ndarray, np.ndarray, np.ndarray]
-# (rows, coefficients), (DOFs, coefficients, values), right-hand side, error
-_Reason = tuple[tuple[np.ndarray, np.ndarray], _Arrays, float, float]
+# (rows, coefficients), (DOFs, coefficients, values), right-hand side, error, irreducible
+_Reason = tuple[tuple[np.ndarray, np.ndarray], _Arrays, float, float, bool]
 # (row, DOF, present value, new value)
 _Change = tuple[int | None, int | None, float, float]
 

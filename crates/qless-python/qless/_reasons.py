@@ -36,7 +36,7 @@ class ValueTerm(NamedTuple):
 class Reason(NamedTuple):
     """Equations and prescribed values whose sum is another equation, or the value of a fixed DOF.
 
-    The members are irreducible: no smaller set of them explains the same. They may be redundant equations, not only kept ones.
+    The members may be redundant equations, not only kept ones.
     """
 
     #: Equations, ascending, then prescribed values, ascending; empty for the equation ``0 = b``.
@@ -49,6 +49,8 @@ class Reason(NamedTuple):
     conflicts: bool
     #: Relative error of the sum.
     error: float
+    #: No smaller set of the members explains the same. False if that is not known: more than 128 equations, some with small coefficients.
+    irreducible: bool
     #: The explained equation or DOF, such as ``row 2 "glue"``.
     subject: str
 
@@ -100,10 +102,10 @@ class Repair(NamedTuple):
 
     #: The conflicting equations, ascending.
     conflicts: list[int]
-    #: Changes that cure all of them together, the most plausible way first; all ways have the same number of changes, and at most
-    #: 16 are listed. Empty if more than 64 conflicts have no single change that cures them.
+    #: Changes that cure all of them together, each verified, the most plausible way first; all ways have the same number of changes, and
+    #: at most 16 are listed. Empty if more than 64 conflicts have no single change that cures them.
     ways: list[list[Change]]
-    #: Number of ways of this size, listed or not.
+    #: Number of ways of this size: the listed ones, and others that were not verified.
     total: int
 
     def __str__(self) -> str:
@@ -111,7 +113,8 @@ class Repair(NamedTuple):
         if not self.ways:
             return f"no single change cures the conflicts of rows {rows}"
         ways = [" and ".join(map(str, way)) for way in self.ways[:_WAYS]]
-        more = f", or {self.total - len(ways)} other ways" if self.total > len(ways) else ""
+        more = f", or {len(self.ways) - len(ways)} other ways" if len(self.ways) > len(ways) else ""
+        more += f"; {self.total - len(self.ways)} more were not verified" if self.total > len(self.ways) else ""
         return f"to cure row{'s' * (len(self.conflicts) > 1)} {rows}, change {', or '.join(ways)}{more}"
 
 
@@ -120,13 +123,13 @@ def named(what: str, place: Any, label: str | None) -> str:
     return f"{what} {place}" if label is None else f'{what} {place} "{label}"'
 
 
-def reason(found: Any, labels: list[str], dof_labels: list[str]) -> tuple[list[RowTerm | ValueTerm], float, float]:
-    """Members, right-hand side and error from the arrays of the extension module."""
-    (rows, of_rows), (dofs, of_dofs, values), right_hand_side, error = found
+def reason(found: Any, labels: list[str], dof_labels: list[str]) -> tuple[list[RowTerm | ValueTerm], float, float, bool]:
+    """Members, right-hand side, error and irreducibility from the arrays of the extension module."""
+    (rows, of_rows), (dofs, of_dofs, values), right_hand_side, error, irreducible = found
     equations = [RowTerm(i, c, label(labels, i)) for i, c in zip(rows.tolist(), of_rows.tolist(), strict=True)]
     of_values = zip(dofs.tolist(), of_dofs.tolist(), values.tolist(), strict=True)
     prescribed = [ValueTerm(j, c, value, label(dof_labels, j)) for j, c, value in of_values]
-    return [*equations, *prescribed], right_hand_side, error
+    return [*equations, *prescribed], right_hand_side, error, irreducible
 
 
 def repair(found: Any, labels: list[str], dof_labels: list[str]) -> Repair:

@@ -156,10 +156,10 @@ class Result:
         found = self._analysis.explain(row)
         if found is None:
             return None
-        members, right_hand_side, error = _reasons.reason(found, self.labels, self._dof_labels)
+        members, right_hand_side, error, irreducible = _reasons.reason(found, self.labels, self._dof_labels)
         conflicts = bool(self._analysis.kinds()[row] == Kind.CONFLICTING)
         subject = _reasons.named("row", row, _reasons.label(self.labels, row))
-        return Reason(members, right_hand_side, float(self._system.rhs()[row]), conflicts, error, subject)
+        return Reason(members, right_hand_side, float(self._system.rhs()[row]), conflicts, error, irreducible, subject)
 
     def explain_fixed(self, dof: int) -> Reason | None:
         """Why a DOF of :attr:`fixed` has its value, in few equations and prescribed values; None for any other DOF."""
@@ -167,9 +167,9 @@ class Result:
         found = self._analysis.explain_fixed(dof)
         if found is None:
             return None
-        members, right_hand_side, error = _reasons.reason(found, self.labels, self._dof_labels)
+        members, right_hand_side, error, irreducible = _reasons.reason(found, self.labels, self._dof_labels)
         subject = _reasons.named("DOF", dof, _reasons.label(self._dof_labels, dof))
-        return Reason(members, right_hand_side, None, False, error, subject)
+        return Reason(members, right_hand_side, None, False, error, irreducible, subject)
 
     def repairs(self) -> list[Repair]:
         """The fewest right-hand sides and prescribed values to change so that no conflict is left, with their new values.

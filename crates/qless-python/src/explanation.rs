@@ -6,12 +6,14 @@ use qless::explanation::{Change, Explanation, Member, Number, Repair};
 
 use crate::system::places;
 
-/// `(rows, coefficients)`, `(DOFs, coefficients, values)`, right-hand side and error of an explanation.
+/// `(rows, coefficients)`, `(DOFs, coefficients, values)`, right-hand side, error and irreducibility of an
+/// explanation.
 pub type ExplanationArrays<'py> = (
     (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<f64>>),
     (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>),
     f64,
     f64,
+    bool,
 );
 
 /// `(row, DOF, present value, new value)`; either the row or the DOF is given.
@@ -42,7 +44,7 @@ pub fn arrays<'py>(py: Python<'py>, explanation: &Explanation) -> ExplanationArr
     }
     let equations = (places(py, &rows), of_rows.into_pyarray(py));
     let prescribed = (places(py, &dofs), of_dofs.into_pyarray(py), values.into_pyarray(py));
-    (equations, prescribed, explanation.right_hand_side, explanation.error)
+    (equations, prescribed, explanation.right_hand_side, explanation.error, explanation.is_irreducible)
 }
 
 /// A repair as numbers.

@@ -30,7 +30,7 @@ def test_a_conflict_names_the_prescribed_values():
     r = chain(0.0)
     (row,) = r.conflicting
     reason = r.explain(row)
-    assert (reason.rows, reason.dofs, reason.conflicts) == ([1 - row], [0, 2], True)
+    assert (reason.rows, reason.dofs, reason.conflicts, reason.irreducible) == ([1 - row], [0, 2], True, True)
     vector, value = total(r, CHAIN, [0.25, 0], reason)
     np.testing.assert_allclose(vector, CHAIN[row], atol=1e-15)
     assert abs(value - reason.right_hand_side) < 1e-15 and abs(reason.asked - reason.right_hand_side) == 0.25
@@ -65,13 +65,21 @@ def test_a_plausible_change_comes_first():
     assert "change b of row 1: 0.1 -> 0.01" in str(repair)
 
 
+def test_ways_that_were_not_verified_are_counted():
+    n = 30
+    ties = np.eye(n) - np.eye(n, k=1)
+    repair = qless.analyse(np.vstack([ties, np.ones(n) @ ties]), np.r_[np.zeros(n), 1.0]).repairs()[0]
+    assert (len(repair.ways), repair.total) == (16, n + 1)
+    assert str(repair).endswith(", or 12 other ways; 15 more were not verified")
+
+
 def test_why_a_dof_is_fixed():
     r = qless.analyse(CHAIN[:1], [0.25], prescribed={0: 0.5}, labels=LABELS[:1], dof_labels=DOF_LABELS)
     reason = r.explain_fixed(1)
     vector, value = total(r, CHAIN[:1], [0.25], reason)
     assert vector.tolist() == [0, 1, 0] and value == reason.right_hand_side == r.fixed[1] == 0.25
     assert str(reason) == 'DOF 1 "middle" = 0.25, from - 1 * row 0 "weld" + 1 * (DOF 0 "left" = 0.5)'
-    assert r.explain_fixed(0) is None and r.explain_fixed(2) is None
+    assert reason.irreducible and r.explain_fixed(0) is None and r.explain_fixed(2) is None
     with pytest.raises(qless.InputError, match="DOF -1"):
         r.explain_fixed(-1)
 
@@ -89,6 +97,15 @@ def test_explanations_are_shorter_than_certificates():
     for row, reason in zip(r.redundant, reasons, strict=True):
         np.testing.assert_allclose(total(r, C, c.b, reason)[0], C[row], atol=1e-14)
         assert np.linalg.matrix_rank(C[reason.rows]) == len(reason.rows)
+
+
+@pytest.mark.parametrize(("last", "irreducible"), [(1.0, True), (2.0**-27, False)])
+def test_a_reason_that_is_too_long_to_be_examined_is_marked(last, irreducible):
+    n = 160
+    rows = sum(np.eye(n, n + 2, k=k) * a for k, a in enumerate([1, 4, 1]))
+    r = qless.analyse(np.vstack([rows, np.r_[np.ones(n - 1), last] @ rows]))
+    reason = r.explain(r.redundant[0])
+    assert (len(reason.members), reason.irreducible) == (n, irreducible)
 
 
 def test_the_empty_equation_and_long_texts():

@@ -108,11 +108,13 @@ impl Model {
                 members.iter().enumerate().filter(|&(k, _)| Some(k) != left_out).map(|(_, (row, _))| row.as_slice());
             rank(kept.chain([vector]).map(|row| row[..columns].to_vec()).collect())
         };
-        for left_out in (0..members.len()).map(Some).chain([None]) {
+        // With a larger error, which is above rounding, the sum of the members may be the vector within the tolerance only.
+        let is_exact = explanation.error < 1e-12;
+        for left_out in (0..members.len()).map(Some).chain(is_exact.then_some(None)) {
             let found = rank_of(dofs, left_out);
             assert_eq!(found, members.len(), "{left_out:?} can be left out: {explanation:?} {self:?}");
         }
-        if let Some(differs) = differs {
+        if let Some(differs) = differs.filter(|_| is_exact) {
             assert_eq!(rank_of(dofs + 1, None), members.len() + usize::from(differs), "{explanation:?} {self:?}");
         }
         assert!(explanation.is_irreducible, "{explanation:?}");
@@ -215,15 +217,15 @@ fn explanations_are_irreducible_and_give_the_equation() {
     assert!(lengths.len() > 15_000, "{} explanations", lengths.len());
 }
 
-/// Springs in a row: `u_k - u_(k+1) - c_k f_k = b_k` and `f_k - f_(k+1) = 0`, with compliances of `2^-28` to 1, and sums of a few of these
-/// equations. All coefficients are whole multiples of `2^-40`.
-fn springs(seed: u64) -> Model {
+/// Springs in a row: `u_k - u_(k+1) - c_k f_k = b_k` and `f_k - f_(k+1) = 0`, with compliances of `2^(least - 40)` to 1, and sums of a few of
+/// these equations. All coefficients are whole multiples of `2^-40`.
+fn springs(seed: u64, (least, factor): (usize, i64)) -> Model {
     let random = &mut SplitMix64::new(seed);
     let n = 2 + below(random, 6);
     let one = 1 << 40;
     let mut rows: Vec<Vec<(usize, i64)>> = Vec::new();
     for k in 0..n {
-        let compliance = (1 + below(random, 1 << 7) as i64) << (12 + below(random, 21));
+        let compliance = (1 + below(random, 1 << 7) as i64) << (least + below(random, 33 - least));
         rows.push(vec![(k, one), (k + 1, -one), (n + 1 + k, -compliance)]);
     }
     rows.extend((1..n).map(|k| vec![(n + k, one), (n + 1 + k, -one)]));
@@ -232,7 +234,7 @@ fn springs(seed: u64) -> Model {
     for _ in 0..=below(random, 2) {
         let (mut sum, mut side) = (BTreeMap::new(), 0);
         for _ in 0..=below(random, 3) {
-            let (part, factor) = (below(random, parts), [1, 32, -2][below(random, 3)]);
+            let (part, factor) = (below(random, parts), [1, factor, -2][below(random, 3)]);
             rows[part].iter().for_each(|&(j, a)| *sum.entry(j).or_default() += factor * a);
             side += factor * sides[part];
         }
@@ -252,8 +254,10 @@ fn springs(seed: u64) -> Model {
 /// Law: coefficients of all sizes do not bring rounding into explanations.
 #[test]
 fn explanations_with_wide_coefficients_are_irreducible() {
-    let lengths: Vec<usize> = (1..=4000).flat_map(|seed| springs(seed).check_all()).collect();
-    assert!(lengths.len() > 10_000, "{} explanations", lengths.len());
+    for range in [(12, 32), (8, 64)] {
+        let lengths: Vec<usize> = (1..=4000).flat_map(|seed| springs(seed, range).check_all()).collect();
+        assert!(lengths.len() > 10_000, "{} explanations", lengths.len());
+    }
 }
 
 /// The sum of 160 equations, of which the last has a small factor: too long to be examined, and said to be so. A nearly dependent component
@@ -282,9 +286,9 @@ fn a_long_explanation_with_small_factors_is_marked() {
 fn explanations_do_not_depend_on_other_components() {
     let mut compared = 0;
     for seed in 1..=1000 {
-        let alone = springs(seed);
+        let alone = springs(seed, (12, 32));
         let dofs = alone.units[1].len();
-        let mut both = springs(seed);
+        let mut both = springs(seed, (12, 32));
         both.rows.push(vec![(dofs, 1 << 40), (dofs + 1, 1 << 40)]);
         both.rows.push(vec![(dofs, 1 << 40), (dofs + 1, (1 << 40) + 512)]);
         both.sides.extend([0, 0]);

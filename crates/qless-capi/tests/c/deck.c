@@ -36,9 +36,10 @@ static void print_reason(const qless_analysis *analysis, int what, int64_t index
 {
     qless_member members[100];
     double rhs;
+    int irreducible;
     int64_t count;
-    need(qless_reason(analysis, what, index, members, 100, &rhs, &count));
-    printf("reason %d %" PRId64 " %016" PRIx64, what, index, bits(rhs));
+    need(qless_reason(analysis, what, index, members, 100, &rhs, &irreducible, &count));
+    printf("reason %d %" PRId64 " %016" PRIx64 " %d", what, index, bits(rhs), irreducible);
     for (int64_t k = 0; k < count; k++)
         printf(" %" PRId64 ":%" PRId64 ":%016" PRIx64, members[k].what, members[k].index, bits(members[k].coefficient));
     puts("");

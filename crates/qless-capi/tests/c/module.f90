@@ -100,13 +100,13 @@ contains
         integer(c_int64_t), allocatable :: conflicts(:)
         integer(c_int64_t) :: groups
         real(c_double) :: rhs, reactions(1)
-        integer :: doubt
+        integer :: doubt, irreducible
         call qless_analyse(3_c_int64_t, [1, 3, 5], [1, 2, 2, 3], [1d0, -1d0, 1d0, -1d0], [0d0, 0d0], [1, 3], [0.5d0, 0d0], &
                            analysis, ierr)
         call qless_fixed(analysis, rows, coefficients, ierr)
         call need(ierr == 0 .and. all(rows == [2]) .and. size(coefficients) == 1)
-        call qless_reason(analysis, qless_equation, 2_c_int64_t, members, rhs, ierr)
-        call need(ierr == 0 .and. size(members) == 3 .and. rhs == 0.5d0 .and. members(3)%index == 3)
+        call qless_reason(analysis, qless_equation, 2_c_int64_t, members, rhs, irreducible, ierr)
+        call need(ierr == 0 .and. size(members) == 3 .and. rhs == 0.5d0 .and. members(3)%index == 3 .and. irreducible == 1)
         call qless_repairs(analysis, groups, ierr)
         call need(ierr == 0 .and. groups == 1)
         call qless_repair(analysis, 1_c_int64_t, conflicts, changes, ierr)

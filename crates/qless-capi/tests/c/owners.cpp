@@ -104,6 +104,27 @@ template <class Integer> void condense(int base)
     }
 }
 
+// The reason of a sum of 160 equations, the last one times `last`.
+qless::Reason long_reason(double last)
+{
+    const int n = 160;
+    std::vector<int> starts{0}, columns;
+    std::vector<double> values;
+    const auto row = [&](int i, double factor) {
+        for (int k = 0; k < 3; ++k)
+            columns.push_back(i + k), values.push_back(factor * (k == 1 ? 4 : 1));
+    };
+    for (int i = 0; i < n; ++i)
+        row(i, 1), starts.push_back(3 * i + 3);
+    for (int i = 0; i < n; ++i)
+        row(i, i + 1 < n ? 1 : last);
+    starts.push_back(6 * n);
+    const qless::Analysis analysis(qless::Rows<int>{n + 2, starts, columns, values});
+    const std::vector<std::int8_t> kinds = analysis.kinds();
+    const auto dependent = std::find(kinds.begin(), kinds.end(), QLESS_REDUNDANT);
+    return analysis.reason(QLESS_EQUATION, dependent - kinds.begin());
+}
+
 void explain()
 {
     // u0 = u1 = u2, and the ends are prescribed.
@@ -112,7 +133,8 @@ void explain()
     const qless::Analysis analysis(qless::Rows<int>{3, starts, columns, values}, {}, ends, given);
     NEED(analysis.conflicting() == 1 && analysis.fixed().size() == 1 && analysis.fixed()[0].dof == 1);
     const qless::Reason reason = analysis.reason(QLESS_EQUATION, 1);
-    NEED(reason.members.size() == 3 && reason.members[2].what == QLESS_PRESCRIBED && reason.rhs == 0.5);
+    NEED(reason.members.size() == 3 && reason.members[2].what == QLESS_PRESCRIBED && reason.rhs == 0.5 && reason.is_irreducible);
+    NEED(!long_reason(std::ldexp(1.0, -27)).is_irreducible && long_reason(1).is_irreducible && long_reason(1).members.size() == 160);
     const std::vector<qless::Repair> repairs = analysis.repairs();
     NEED(repairs.size() == 1 && repairs[0].conflicts == std::vector<std::int64_t>{1} && repairs[0].ways.size() == 4);
     NEED(repairs[0].ways[0].size() == 1 && repairs[0].ways[0][0].what == QLESS_PRESCRIBED);

@@ -1,4 +1,4 @@
-//! Repairs of conflicts in words, for all reports but the text, which has less room.
+//! Repairs of conflicts in words. The text report, which has less room, counts the other ways only.
 
 use qless::Report;
 use qless::report::{ChangeFinding, RepairFinding};
@@ -34,14 +34,10 @@ impl RepairWords {
         (!ways.is_empty()).then(|| Self { rows: repair.conflicts.clone(), more, ways })
     }
 
-    /// The first repair in words, and the number of others: `cure: change 4:1 from 0.5 to 0 (4 other ways cure too)`.
+    /// `cure: change 4:1 from 0.5 to 0 (4 other ways cure too; 3 more were not verified)`.
     pub fn short(&self) -> String {
-        let others = match self.ways.len() - 1 {
-            0 => String::new(),
-            1 => " (1 other way cures too)".to_owned(),
-            n => format!(" ({n} other ways cure too)"),
-        };
-        format!("cure: {}{others}", self.ways[0])
+        let others = others(self.ways.len(), self.more).map(|others| format!(" ({others})"));
+        format!("cure: {}{}", self.ways[0], others.unwrap_or_default())
     }
 
     /// The heading above the repairs of `row`: `Each of these 5 ways cures it, and rows 52, 79:`.
@@ -58,6 +54,39 @@ impl RepairWords {
             1 => format!("{these}, and row {}:", others[0]),
             2..=NAMED => format!("{these}, and rows {}:", others.join(", ")),
             n => format!("{these}, and {n} other conflicts:"),
+        }
+    }
+}
+
+/// `4 other ways cure too; 3 more were not verified`: the ways beside the first of the `listed` ones. None if there are no others.
+pub fn others(listed: usize, unverified: usize) -> Option<String> {
+    let cure = match listed.saturating_sub(1) {
+        0 => None,
+        1 => Some("1 other way cures too".to_owned()),
+        n => Some(format!("{n} other ways cure too")),
+    };
+    let unknown = match unverified {
+        0 => None,
+        1 => Some("1 more was not verified".to_owned()),
+        n => Some(format!("{n} more were not verified")),
+    };
+    let both: Vec<String> = cure.into_iter().chain(unknown).collect();
+    (!both.is_empty()).then(|| both.join("; "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ways_that_were_not_verified_are_counted() {
+        for (listed, unverified, expected) in [
+            (1, 0, None),
+            (2, 0, Some("1 other way cures too")),
+            (1, 1, Some("1 more was not verified")),
+            (16, 84, Some("15 other ways cure too; 84 more were not verified")),
+        ] {
+            assert_eq!(others(listed, unverified).as_deref(), expected);
         }
     }
 }

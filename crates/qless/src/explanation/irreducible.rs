@@ -45,6 +45,14 @@ struct Members<'a> {
     factors: Vec<f64>,
 }
 
+/// The search for members that can be left out.
+struct LeavingOut<'a> {
+    /// The explanation by some equations, if it is as good as the one by all.
+    explain: &'a dyn Fn(&[CertificateTerm]) -> Option<Explanation>,
+    /// Number of multiplications until now.
+    effort: usize,
+}
+
 impl Analysis {
     /// Leaves out members of `whole`, the explanation of a vector by `terms`, if the others still explain the vector. Also returns the
     /// number of operations.
@@ -63,37 +71,21 @@ impl Analysis {
         if self.are_above(vector, terms, rounding * terms.len() as f64) {
             return (whole, 0);
         }
-        let (limit, must_agree) = (whole.error.max(self.options.tolerance.value()), agrees(&whole));
+        let says = |terms: &[CertificateTerm]| self.says_something(vector, &self.sums(vector.iter().copied(), terms));
+        let limit = whole.error.max(self.options.tolerance.value());
+        let (must_agree, must_say) = (agrees(&whole), says(terms));
         let is_good = |found: &Explanation| found.error <= limit && (agrees(found) || !must_agree);
-        let explain = |mut terms: Vec<CertificateTerm>| {
-            terms.retain(|term| term.coefficient != 0.0);
-            Some(self.with_values(vector, terms, None)).filter(is_good)
+        let explain = |terms: &[CertificateTerm]| {
+            let terms: Vec<_> = terms.iter().copied().filter(|term| term.coefficient != 0.0).collect();
+            let says = says(&terms) || !must_say;
+            Some(self.with_values(vector, terms, None)).filter(|found| says && is_good(found))
         };
         if terms.len() > MOST || !search {
-            let found = explain(self.pruned(terms, NOISE)).unwrap_or(whole);
+            let found = explain(&self.pruned(terms, NOISE)).unwrap_or(whole);
             return (Explanation { is_irreducible: false, ..found }, 0);
         }
-        let mut members = Members::new(self, vector, terms.to_vec()).refined();
-        let mut best = explain(members.terms.clone()).unwrap_or(whole);
-        let (mut needed, mut effort) = (HashSet::new(), members.effort());
-        while let Some(row) = members.weakest(&needed).filter(|_| effort < MOST_EFFORT) {
-            let mut fewer = members.without(row);
-            let mut found = explain(fewer.terms.clone());
-            effort += fewer.effort();
-            // If the vector is not explained without this member, more members may have to be left out together with it.
-            while let (None, Some(next)) = (&found, fewer.weakest(&HashSet::new()).filter(|_| effort < MOST_EFFORT)) {
-                fewer = fewer.without(next);
-                found = explain(fewer.terms.clone());
-                effort += fewer.effort();
-            }
-            match found {
-                Some(found) => (best, members) = (found, fewer),
-                // A member that a set needs is needed by each smaller set.
-                None => _ = needed.insert(row),
-            }
-        }
-        best.is_irreducible = effort < MOST_EFFORT;
-        (best, effort)
+        let members = Members::new(self, vector, terms.to_vec()).refined();
+        LeavingOut { explain: &explain, effort: members.effort() }.run(members, whole)
     }
 
     /// Returns true if each term exceeds the fraction `least` of the sum at each of its free DOFs, and if each prescribed value that is
@@ -112,6 +104,40 @@ impl Analysis {
             free[j as usize] || left.abs() <= NOISE * size || left.abs() > least * size
         };
         terms.iter().all(is_above) && sums.iter().all(is_clear)
+    }
+}
+
+impl LeavingOut<'_> {
+    /// Leaves out members until all are needed; returns the explanation and the number of operations.
+    fn run(mut self, mut members: Members, whole: Explanation) -> (Explanation, usize) {
+        let mut best = (self.explain)(&members.terms).unwrap_or(whole);
+        let mut needed = HashSet::new();
+        while let Some(row) = self.weakest(&members, &needed) {
+            match self.without(&members, row) {
+                Some(fewer) => (best, members) = fewer,
+                // A member that a set needs is needed by each smaller set.
+                None => _ = needed.insert(row),
+            }
+        }
+        best.is_irreducible = self.effort < MOST_EFFORT;
+        (best, self.effort)
+    }
+
+    /// The explanation without a member, and without others if several have to be left out together.
+    fn without<'a>(&mut self, members: &Members<'a>, row: usize) -> Option<(Explanation, Members<'a>)> {
+        let mut fewer = members.without(row);
+        loop {
+            self.effort += fewer.effort();
+            if let Some(found) = (self.explain)(&fewer.terms) {
+                return Some((found, fewer));
+            }
+            fewer = fewer.without(self.weakest(&fewer, &HashSet::new())?);
+        }
+    }
+
+    /// [`Members::weakest`], as long as the effort is bounded.
+    fn weakest(&self, members: &Members, needed: &HashSet<usize>) -> Option<usize> {
+        members.weakest(needed).filter(|_| self.effort < MOST_EFFORT)
     }
 }
 

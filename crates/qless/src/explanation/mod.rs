@@ -253,12 +253,13 @@ impl Analysis {
         (near.map(|near| (near, rounding)), visited + effort)
     }
 
-    /// Returns false if more than half of each coefficient of the vector remains. The relative error does not show this if the sums are far
-    /// larger than the coefficients.
+    /// Returns false if the remainder is more than half as large as the vector, in scaled columns: sums that are far larger hide it.
     fn says_something(&self, vector: &[(u32, f64)], sums: &[(u32, (f64, f64))]) -> bool {
-        let left = |j: u32| sums.binary_search_by_key(&j, |sum| sum.0).map_or(0.0, |place| sums[place].1.0);
-        let mut free = vector.iter().filter(|&&(j, _)| self.numbering.free[j as usize]).peekable();
-        free.peek().is_none() || free.any(|&(j, value)| left(j).abs() <= value.abs() / 2.0)
+        let size = |(j, value): (u32, f64)| {
+            if self.numbering.free[j as usize] { ldexp(value.abs(), self.scaling.col(j as usize)) } else { 0.0 }
+        };
+        let largest = vector.iter().map(|&term| size(term)).fold(0.0, f64::max);
+        sums.iter().all(|&(j, (left, _))| size((j, left)) <= largest / 2.0)
     }
 
     /// Bound below which a coefficient may stand for zero: the tolerance divided by the distance of the component from dependence. If an

@@ -6,6 +6,7 @@ use qless::report::RepairFinding;
 use qless::{Effort, Report, Status};
 
 use super::super::CommandOutcome;
+use super::super::repairs::others;
 use super::EquationList;
 use crate::deck_input::DeckInput;
 use crate::wording::layout::width;
@@ -92,7 +93,7 @@ fn next(list: &EquationList, report: &Report, obstacle: Option<&str>) -> Vec<Str
     lines
 }
 
-/// The most plausible repair of some conflicts, and the number of other repairs.
+/// The most plausible way to cure some conflicts, and how many other ways were verified and not verified.
 fn repair_lines(repair: &RepairFinding) -> Vec<String> {
     let way = &repair.ways[0];
     let shown = way.iter().take(REPAIRS).map(|one| change(one, label));
@@ -104,11 +105,9 @@ fn repair_lines(repair: &RepairFinding) -> Vec<String> {
         [one, other] => format!("cures rows {one} and {other}"),
         rows => format!("cures {} conflicts", rows.len()),
     };
-    let others = match repair.ways.len() - 1 {
-        0 => String::new(),
-        1 => "; 1 other way cures too (--format json)".to_owned(),
-        n => format!("; {n} other ways cure too (--format json)"),
-    };
+    let unverified = repair.count.saturating_sub(repair.ways.len());
+    let others = others(repair.ways.len(), unverified).map(|others| format!("; {others} (--format json)"));
+    let others = others.unwrap_or_default();
     if let Some(last) = lines.last_mut() {
         let tail = format!("{more}: {cured}{others}.");
         if width(last) + width(&tail) + 4 <= super::COLUMNS {

@@ -115,8 +115,8 @@ impl FlowControl {
             b"*ELSE" => self.divide(|| Some(true)),
             b"*ENDDO" => self.close_loop(command, parameters)?,
             b"*ENDIF" | b"*END" => drop(self.blocks.pop()),
-            b"*EXIT" => self.leave(false),
-            b"*CYCLE" => self.leave(true),
+            b"*EXIT" => self.leave(false, true),
+            b"*CYCLE" => self.leave(true, true),
             _ => return Ok(false),
         }
         Ok(true)
@@ -185,12 +185,7 @@ impl FlowControl {
         if !has("EXIT") && !has("CYCLE") {
             return false;
         }
-        if holds.is_some() {
-            self.leave(has("CYCLE"));
-        } else {
-            let loops = self.blocks.iter_mut().filter(|block| matches!(block, FlowBlock::Loop(_)));
-            loops.for_each(|block| *block = FlowBlock::Unknown);
-        }
+        self.leave(has("CYCLE"), holds.is_some());
         true
     }
 
@@ -210,18 +205,20 @@ impl FlowControl {
         }
     }
 
-    /// Skips the rest of the current iteration of the innermost loop, including the blocks inside it. Unless `cycles`, skips all
-    /// further iterations, too.
-    fn leave(&mut self, cycles: bool) {
+    /// Skips the rest of the current iteration of the innermost loop, including the blocks inside it. Unless `cycles`, skips all further
+    /// iterations, too. If the command may be executed or not, the open loops become unknown.
+    fn leave(&mut self, cycles: bool, is_certain: bool) {
+        let is_loop = |block: &FlowBlock| matches!(block, FlowBlock::Loop(_));
         match self.state() {
-            Execution::Skipped => return,
-            Execution::Unknown => return self.forget_loops(),
-            Execution::Executed => {}
-        }
-        let Some(at) = self.blocks.iter().rposition(|block| matches!(block, FlowBlock::Loop(_))) else { return };
-        match &mut self.blocks[at] {
-            FlowBlock::Loop(repeated) if cycles => repeated.cycles = true,
-            block => *block = FlowBlock::Skipped,
+            Execution::Skipped => {}
+            Execution::Executed if is_certain => match self.blocks.iter_mut().rfind(|block| is_loop(block)) {
+                Some(FlowBlock::Loop(repeated)) if cycles => repeated.cycles = true,
+                Some(block) => *block = FlowBlock::Skipped,
+                None => {}
+            },
+            _ => {
+                self.blocks.iter_mut().filter(|block| is_loop(block)).for_each(|block| *block = FlowBlock::Unknown);
+            }
         }
     }
 }
