@@ -15,7 +15,8 @@ pub use lapack::Lapack;
 /// The rule for entries that count as zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rule {
-    /// The library's own rule. LAPACK has none and gets the usual `max(m, n) eps |R_11|`.
+    /// The library's own rule for entries that count as zero. LAPACK has no such rule: diagonal entries of R up to `max(m, n) eps |R_11|`
+    /// count as zero.
     Own,
     /// The absolute tolerance that the caller passes.
     Call,

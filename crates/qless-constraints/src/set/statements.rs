@@ -58,7 +58,8 @@ impl ConstraintSet {
                     let number = self.register.ever() as u32;
                     let label = format!("length of Euler parameters, DOFs {first} to {last}");
                     self.norms.insert(dofs, number);
-                    // The equation repeats a statement of another constraint about these DOFs, so only a full set can refuse it.
+                    // Another constraint already says that these DOFs are Euler parameters. The length equation says the same, so it
+                    // contradicts nothing. `add` fails only if the set has its largest number of equations or constraints.
                     if self.add(label, EulerLength(dofs)).is_err() {
                         self.norms.remove(&dofs);
                     }

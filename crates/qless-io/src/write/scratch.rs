@@ -107,7 +107,8 @@ fn known() -> MutexGuard<'static, Vec<Traces>> {
 }
 
 impl Traces {
-    /// Removes the mark with its files, and the created folders that are empty. Errors are ignored, because nothing more can be done.
+    /// Removes the temporary files of this writer, then its mark, the file `.qless-XXXXXX`, and then the folders that it created if they
+    /// are empty. Errors are ignored, because nothing more can be done.
     fn remove(&self) {
         remove_marked(&self.mark);
         for folder in self.created.iter().rev() {

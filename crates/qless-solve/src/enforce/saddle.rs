@@ -52,7 +52,8 @@ pub fn compliance(part: &EnforcedPart) -> Vec<f64> {
     let of_row = |(i, method): (usize, &Method)| {
         let Method::Penalty { factor } = method else { return 0.0 };
         let row = || part.system.matrix().row(i);
-        // The caller's units, relative to the smallest scale of the equation's DOFs: squares stay in the range of doubles.
+        // Coefficients and stiffness are converted to the caller's units times the smallest scale of the equation's DOFs. This power of two
+        // cancels in the quotient; without it, squares could leave the range of doubles.
         let unit = row().map(|(j, _)| part.scale[j]).min().unwrap_or_default();
         let square: f64 = row().map(|(j, v)| times_power(v, unit - part.scale[j]).powi(2)).sum();
         let near = row().map(|(j, _)| times_power(diagonal[j], 2 * (unit - part.scale[j]))).fold(0.0, f64::max);

@@ -86,7 +86,8 @@ fn penalised(
     inverse: &mut SaddleInverse,
     (exact, errors): (&[f64], &DisplacementErrors),
 ) -> Result<(Refined, f64), EnforceError> {
-    // The solution with all factors multiplied by `share`, and its relative error: 1 if the iteration does not converge.
+    // The solution with all penalty factors multiplied by `share`, and its error relative to the exactly constrained solution: 1 if the
+    // refinement does not converge.
     let mut softened = |share: f64| -> Result<(Refined, f64), EnforceError> {
         let z: Vec<f64> = compliance(part).into_iter().map(|z| z / share).collect();
         let model = saddle_equations(part, &z)?;

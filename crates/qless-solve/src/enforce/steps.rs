@@ -43,7 +43,8 @@ pub struct Steps<S> {
     k_q: Vec<f64>,
     /// All entries of K_q, dimensionless.
     equations: Equations,
-    /// The index in `k_q` of each entry of the equations.
+    /// For each stored value of the matrix in `equations`, the index of the same entry of K_q in `k_q`. The matrix stores both triangles
+    /// even if `k_q` stores one, so two values may have the same index.
     places: Vec<u32>,
     /// Exponents of the scales of the unknowns.
     scale: Vec<i32>,

@@ -107,9 +107,12 @@ impl EquilibriumState {
         Ok(())
     }
 
-    /// For each row, the change of forces by the cheapest motion that removes c_r, in units in the last place of the largest force:
-    /// `min_j |c_r / G_rj| K_jj^1/2 / max_i terms_i K_ii^-1/2`. If it is small, c_r is negligible even if its own terms are small, as those
-    /// of a support `u_0 = 0` are if u_0 vanishes.
+    /// For each equation r of the part, how much its violation c_r matters, as a change of force in units in the last place of the largest
+    /// force: `min_j |c_r / G_rj| K_jj^1/2 / max_i terms_i K_ii^-1/2`. A motion of DOF j by `c_r / G_rj` makes c_r zero; the DOF with the
+    /// smallest change of force counts. The `terms_i` are the sums of the sizes of the forces on the free DOFs i.
+    ///
+    /// If the result is small, c_r is negligible. Its own terms cannot show this if they are small too, as those of a support `u_0 = 0` are
+    /// near zero.
     fn in_forces(&self, part: &Part) -> Vec<f64> {
         let stiffness = |j: usize| self.assembly.row(j).find(|&(k, _)| k == j).map_or(0.0, |(_, v)| v.abs().sqrt());
         let sizes = part.free.iter().map(|&j| (stiffness(j), self.terms[j])).filter(|(stiffness, _)| *stiffness > 0.0);

@@ -18,7 +18,8 @@ use crate::common::random;
 /// Largest motion of a DOF on the way to the second configuration, relative to its reach. The constraint Jacobian G changes by about this
 /// fraction: far more than the rank needs, and far less than in a full turn.
 const STEP: f64 = 0.05;
-/// Number of random directions. If G is singular, it allows directions that lead to no other configuration, so that one try is not enough.
+/// Number of random directions in which another configuration is searched for. In a singular configuration, the null space of the
+/// constraint Jacobian contains directions in which the mechanism cannot move, so one direction may fail.
 const TRIES: u64 = 8;
 
 /// Whether an equation that is redundant at u is redundant at other configurations.

@@ -15,10 +15,12 @@ use super::linearisation::{LOST, Motions};
 use super::parts::Parts;
 use super::step::times;
 
-/// For each part with contradicted rows, a motion du that reduces them, of the length that second order predicts; and for each part whether
-/// there is such a motion. Without one, the rows conflict.
+/// Returns a motion du that reduces the residuals of the contradicted rows, and for each part with such rows whether there is such a
+/// motion. If a part has none, its rows conflict.
 ///
-/// Eigenvalues above minus [`LOST`], relative to the sizes of the terms, do not count as negative.
+/// The residuals depend on the motion by second order. The direction is the eigenvector of the lowest eigenvalue of this quadratic form on
+/// the admissible motions, and the form gives the length. Eigenvalues above minus [`LOST`], relative to the sizes of the terms, do not
+/// count as negative.
 pub fn second_order_directions(
     (set, parts, now): (&ConstraintSet, &Parts, &mut Configuration),
     (contradicted, analysis): (&[usize], &Analysis),

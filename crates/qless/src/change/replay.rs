@@ -36,7 +36,7 @@ pub struct Replay<'a> {
     local: LocalSystem<'a>,
     /// The user's right-hand sides b.
     pub rhs: &'a [f64],
-    /// Values of prescribed DOFs, in local numbers.
+    /// For each DOF by its local number, its prescribed value, or 0 if it is free. Empty if u_p is zero.
     values: Vec<f64>,
     /// The right-hand side of the pivot row of each step.
     pub steps: Vec<RowRhs>,

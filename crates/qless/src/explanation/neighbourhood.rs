@@ -157,7 +157,8 @@ impl Neighbourhood<'_> {
         (0..self.left.values.len()).all(|k| self.left.get(k, self.tolerance) == 0.0)
     }
 
-    /// The factors of the kept equations, in the user's units; `made_of` has them with the opposite sign.
+    /// `(row, c)` for each kept equation with nonzero c, in the user's units: the vector is the sum of c times these equations. `made_of`
+    /// holds `-c` for the scaled equations.
     fn factors(&self) -> Vec<(u32, f64)> {
         let factor = |(k, &row): (usize, &u32)| {
             (row, -ldexp(self.made_of.get(k, NOISE), self.candidates.scaling.row[row as usize]))

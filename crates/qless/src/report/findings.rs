@@ -210,7 +210,8 @@ impl Certificate {
 }
 
 impl Term {
-    /// The term of an equation; `row` counts from 1.
+    /// Makes an equation a term of the sum that explains another one. `row` counts from 1; `coefficient` is the factor of the equation in
+    /// this sum.
     pub fn equation(row: usize, label: String, coefficient: f64) -> Self {
         Self::Equation { row, label, coefficient }
     }

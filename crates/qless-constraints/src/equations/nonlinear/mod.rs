@@ -148,7 +148,8 @@ impl NonlinearEquations {
         self.batches.get_mut(batch)?.as_any_mut().downcast_mut()
     }
 
-    /// Inserts an item after all items of its own and of earlier constraints.
+    /// Inserts an item of the constraint `owner.constraint`. Items are sorted by their constraints; the new one comes last among those of
+    /// its constraint.
     pub fn insert<Q: Nonlinear>(&mut self, owner: EquationOwner, dofs: &[u32], parameters: Q) {
         let next = self.batches.len();
         let kind = *self.of_type.entry(TypeId::of::<Q>()).or_insert(next);

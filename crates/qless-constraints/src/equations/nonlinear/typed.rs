@@ -50,7 +50,8 @@ impl<Q: Nonlinear> TypedBatch<Q> {
         local.extend(self.dofs(i).iter().map(|&j| u[j as usize]));
     }
 
-    /// Inserts an item after all items of its own and of earlier constraints.
+    /// Inserts an item of the constraint `owner.constraint`. Items are sorted by their constraints; the new one comes last among those of
+    /// its constraint.
     pub fn insert(&mut self, owner: EquationOwner, dofs: &[u32], parameters: Q) {
         let i = self.owners.partition_point(|other| other.constraint <= owner.constraint);
         let first = self.start[i];

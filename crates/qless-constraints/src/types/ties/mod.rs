@@ -34,9 +34,9 @@ fn interpolate<const F: usize>(
     }
 }
 
-/// Whether a finer node is also a coarser node: the same DOFs at the same place.
+/// Returns true if this node of the finer side is also a node of the coarser side: both have the same DOFs and the same place.
 ///
-/// The error is a DOF of the finer node that also belongs to a coarser node, although the nodes are not the same.
+/// The error is a DOF of this node that also belongs to a node of the coarser side with another place or other DOFs.
 fn is_shared<P: Copy, const F: usize>(
     dofs: &[usize; F],
     coarse: &[(P, [usize; F])],

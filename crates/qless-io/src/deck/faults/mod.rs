@@ -46,7 +46,7 @@ pub enum FaultKind {
     },
     /// A DOF is in two coupled sets of ANSYS, and it is the first DOF of one of them.
     CoupledTwice {
-        /// The index of an equation of the earlier set.
+        /// The index of an equation of the coupled set that stands earlier in the deck.
         first: usize,
     },
     /// The first DOF of a coupled set of ANSYS has a prescribed value.

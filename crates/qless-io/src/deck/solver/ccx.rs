@@ -65,7 +65,8 @@ pub fn nonlinear_chain(model: &Model, left_out: &[bool]) -> bool {
     if !model.traits.is_nonlinear {
         return false;
     }
-    // A coupling with its own axes becomes equations with new nodes. The new nodes are slaves, so these equations are linked.
+    // A coupling with its own axes becomes several equations with new nodes, which are slaves in one equation and masters in others. So
+    // these equations are linked, but the check below cannot see them.
     if model.traits.has_oriented_couplings {
         return true;
     }

@@ -26,8 +26,8 @@ pub(super) struct Found {
 const BITS: f64 = 60.0;
 /// Largest number of primes: numbers of up to 3,840 bits can be verified with 64 of them. The largest double is 2^2098 times the smallest.
 const PRIMES: usize = 64;
-/// Largest number of rows of a certificate whose minors are computed. [`PRIMES`] then leave almost 120 bits for each row, and each prime
-/// costs an elimination.
+/// Largest number of rows of a certificate that is verified by ranks. A rank is exact if the product of the primes exceeds every minor of
+/// these rows. [`PRIMES`] primes allow about 116 bits for each row. More primes would cost more time, because each needs an elimination.
 const ROWS: usize = 32;
 /// Largest number of coefficients that the elimination for minors may store.
 const FILL: usize = 1 << 20;

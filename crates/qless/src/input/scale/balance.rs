@@ -76,9 +76,10 @@ impl Component {
         Some(q.iter().map(|q| (usual - q).round() as i32).collect())
     }
 
-    /// Exponents of the DOFs: equilibrated units, or balanced units if their `smallness` is less than half as large. Equilibrated units are
-    /// nearer to the user's, but can leave coefficients small beside others of their row: one large coefficient is enough for the norm of a
-    /// DOF. None if [`Component::equilibrated`] returns None.
+    /// Returns exponents of the DOFs in equilibrated units, in which rows and columns have about the same 2-norm. They are nearer to the
+    /// user's units than balanced ones. But one large coefficient alone can give a column its norm, so that its other coefficients stay
+    /// small beside those of their rows; `smallness` measures this. If balanced units are in range and have less than half of that
+    /// smallness, they are returned instead. None if [`Component::equilibrated`] returns None.
     pub fn near_users(&self, near: i32) -> Option<Vec<i32>> {
         let equilibrated = self.equilibrated(near)?;
         let small = self.smallness(&equilibrated);
@@ -145,7 +146,8 @@ impl Component {
         }
     }
 
-    /// Calls `job` once for each coefficient, with the place of its row and the exponent p of that row.
+    /// Calls `job(i, p_i)` once for each coefficient, for row i of `rows` and the exponent of the factor `2^p_i` that brings this row to
+    /// balanced units.
     pub fn row_units(&self, mut job: impl FnMut(usize, f64)) {
         let Some((q, powers)) = self.balanced(-1.0) else { return };
         for (&(i, j, power), balanced) in self.entries.iter().zip(powers) {

@@ -112,8 +112,8 @@ impl Vectors {
 pub(crate) struct Nearness {
     /// Estimate of the smallest singular value of the kept rows.
     pub sigma: f64,
-    /// Estimate of the smallest change of one coefficient that makes the kept rows dependent; at least their smallest singular value. For a
-    /// chain it does not decrease with the length of the chain.
+    /// Estimate of the smallest change of a single coefficient that makes the kept rows dependent. It is never below `sigma`. In a chain of
+    /// equations, where each shares a DOF with the next, `sigma` falls with the number of equations; this estimate does not.
     pub distance: f64,
 }
 

@@ -29,7 +29,8 @@ pub struct CommandPlace {
     /// The line of the command, from 1.
     pub line: u32,
     pub owner: CommandOwner,
-    /// Whether a loop executes the command or a comma repeats its name. Then its text cannot be removed for one equation alone.
+    /// Whether the text of the command serves several commands, so that it cannot be removed for one equation alone. This is so in
+    /// a loop, and where a command begins with a comma and so takes the name of the command before it.
     pub repeats: bool,
 }
 

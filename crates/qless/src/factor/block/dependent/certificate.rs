@@ -43,7 +43,7 @@ pub(crate) struct Rows {
     pub left: f64,
 }
 
-/// The kept rows: their factor, their nearness to dependence, and the weakest of them.
+/// A choice of kept rows: how near they are to dependence, the row that is nearest to a combination of the others, and their factor.
 pub(super) struct Choice {
     pub near: Nearness,
     pub weakest: Weakest,

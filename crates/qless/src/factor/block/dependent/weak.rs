@@ -103,7 +103,8 @@ fn foreseen(first: &Choice, weak: &Weak) -> Option<Tableau> {
     Some(tableau)
 }
 
-/// The dropped rows over all kept rows, followed by the vanishing combinations of kept rows, whose name is [`NOTHING`].
+/// A tableau of coefficients over all kept rows. Its first rows express the dropped rows. The rows after them are combinations of kept rows
+/// that vanish; their name is [`NOTHING`]. None if the tableau is too large, or if the factor cannot express the dropped rows.
 fn with_null_space(first: &Choice, weak: &Weak) -> Option<Tableau> {
     let Triangle { factor, rows, dropped, .. } = &first.triangle;
     let (width, nothings) = (rows.len(), weak.columns.len());
