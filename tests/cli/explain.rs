@@ -101,6 +101,8 @@ fn explain_lists_the_repairs_of_a_conflict() {
     let answer = &answers["answers"][0];
     assert_eq!((&answer["verdict"], &answer["row"]), (&json!("conflicting"), &json!(row)));
     assert_eq!((&answer["because"], &answer["repairs"]), (&report["dependent"][0]["because"], &report["repairs"]));
+    // Each member is needed, and ties have no rounding.
+    assert_eq!((&answer["because_error"], answer.get("because_irreducible")), (&json!(0.0), None));
 }
 
 #[test]

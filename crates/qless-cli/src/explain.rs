@@ -63,6 +63,11 @@ struct Answer {
     verdict: &'static str,
     /// The members of the explanation.
     because: Vec<Term>,
+    /// [`Explanation::error`].
+    because_error: f64,
+    /// False if it may be possible to leave out a member; absent otherwise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    because_irreducible: Option<bool>,
     /// Equations and prescribed values, each of which would free the equation or DOF if it alone were left out.
     freed_by: Vec<String>,
     /// The repairs that cure the conflict.
@@ -258,6 +263,8 @@ impl<'a> Teller<'a> {
             format!("  {sign} {} * {}", number(factor.abs()), member_name(self.system, member))
         };
         answer.because = Certificate::of_members(self.system, members).because;
+        answer.because_error = explanation.error;
+        answer.because_irreducible = (!explanation.is_irreducible).then_some(false);
         answer.text.extend(members.iter().take(SHOWN).map(line));
         if members.len() > SHOWN {
             answer.text.push(format!("  and {} more (all of them: --format json)", members.len() - SHOWN));

@@ -59,12 +59,9 @@ impl<'a> Budget<'a> {
     fn equation(&mut self, dependent: &Dependent, found: Option<Explanation>) -> DependentEquation {
         let system = self.system;
         let &Dependent { row, kind, mismatch, .. } = dependent;
-        let error = found.as_ref().map_or(0.0, |found| found.error);
         let arithmetic =
             found.as_ref().filter(|_| kind == Kind::Conflicting).map(|found| found.arithmetic(system, row));
-        let mut certificate = self.certificate(0, || found);
-        let is_shown = certificate.omitted == Omitted::Nothing;
-        certificate.error = (is_shown && error > self.analysis.options.tolerance.value()).then_some(error);
+        let certificate = self.certificate(0, || found);
         let equation = DependentEquation::new(row + 1, system.equation_label(row), kind, mismatch, certificate);
         DependentEquation { arithmetic, ..equation }
     }
@@ -87,13 +84,14 @@ impl<'a> Budget<'a> {
         }
         let before = self.remaining;
         self.remaining = self.remaining.saturating_sub(work);
-        let Some(Explanation { members, is_irreducible, .. }) = explain() else {
+        let Some(Explanation { members, error, is_irreducible, .. }) = explain() else {
             return Certificate::left_out(Omitted::NotComputed);
         };
         self.remaining = self.remaining.saturating_sub(members.len());
         if members.len() > before {
             return Certificate::left_out(Omitted::Terms(members.len()));
         }
-        Certificate { is_irreducible, ..Certificate::of_members(self.system, &members) }
+        let error = (error > self.analysis.options.tolerance.value()).then_some(error);
+        Certificate { error, is_irreducible, ..Certificate::of_members(self.system, &members) }
     }
 }
