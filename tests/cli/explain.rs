@@ -169,6 +169,9 @@ fn diff_names_what_tells_two_sets_apart() {
     place.case("d", [2, 5], &[(1, 1, 1.0), (1, 3, -1.0), (2, 2, 1.0), (2, 3, -1.0)], &[0.0; 2], &[(1, 0.5)]);
     let same = place.run("diff -q a c");
     assert_eq!((same.code, same.out.as_str()), (0, "Both sets have the same solutions.\n"));
+    // Labels that differ in capitals only are different DOFs if a set has both.
+    place.file("case.rel", "1 u - 1 U = 0\n1 u - 1 v = 0\n").file("one.rel", "1 u - 1 v = 0\n");
+    assert_eq!(place.run("diff -q case.rel one.rel").code, 1);
     let values = place.run("diff -q a b");
     assert_eq!(values.code, 1);
     assert!(values.out.contains("a adds 1 relation to the other:\n  DOF 1 = 0.5\n"), "{}", values.out);

@@ -40,7 +40,9 @@ pub fn run(args: &DiffArgs) -> Result<ExitCode, CliFailure> {
     let second = diagnose(&other, question(), &progress)?;
     progress.stage("comparing");
     let is_solvable = !first.is_conflicting() && !second.is_conflicting();
-    let [a, b] = [&first, &second].map(Relations::new);
+    // Solvers do not tell capitals from small letters in the names of decks. If a set has labels that differ in nothing else, it does.
+    let folds = ![&first, &second].iter().any(|of| tells_case(of));
+    let [a, b] = [&first, &second].map(|of| Relations::new(of, folds));
     let set = |of: &Diagnosis, own: &Relations, other: &Relations| -> Result<DiffSet, CliFailure> {
         Ok(DiffSet {
             file: of.args.input.to_string_lossy().into_owned(),
@@ -97,7 +99,7 @@ impl DiffSet {
     }
 }
 
-/// Terms on DOFs, each by its label in small letters, and the right-hand side.
+/// Terms on DOFs, each by its label, and the right-hand side.
 type LabelledRelation = (Vec<(String, f64)>, f64);
 
 /// The equations and prescribed values of a set, each with its name.
@@ -106,18 +108,27 @@ struct Relations {
     names: Vec<String>,
 }
 
+/// Whether labels of DOFs differ only in capitals and small letters.
+fn tells_case(diagnosis: &Diagnosis) -> bool {
+    let labels = || (0..diagnosis.system.dofs()).map(|dof| diagnosis.system.dof_label(dof));
+    let folded: HashSet<String> = labels().map(|label| label.to_lowercase()).collect();
+    folded.len() < labels().collect::<HashSet<_>>().len()
+}
+
 impl Relations {
-    fn new(diagnosis: &Diagnosis) -> Self {
+    /// If `folds`, labels are written in small letters.
+    fn new(diagnosis: &Diagnosis, folds: bool) -> Self {
         let system = &diagnosis.system;
         let labels: Vec<String> = (0..system.dofs()).map(|dof| system.dof_label(dof)).collect();
+        let key = |label: &str| if folds { label.to_lowercase() } else { label.to_owned() };
         let mut all = Self { relations: Vec::new(), names: Vec::new() };
         for row in 0..system.equations() {
-            let terms = system.matrix().row(row).map(|(dof, factor)| (labels[dof].to_lowercase(), factor)).collect();
+            let terms = system.matrix().row(row).map(|(dof, factor)| (key(&labels[dof]), factor)).collect();
             all.relations.push((terms, system.rhs()[row]));
             all.names.push(equation(system, row));
         }
         for &(dof, value) in system.prescribed() {
-            all.prescribe(&labels[dof], value, system.prescribed_place(dof));
+            all.prescribe(key(&labels[dof]), &labels[dof], value, system.prescribed_place(dof));
         }
         // The system omits prescribed values on DOFs that occur in no equation. They are taken from the deck.
         if let Some(input) = &diagnosis.deck {
@@ -125,16 +136,16 @@ impl Relations {
             for given in &model.cases()[input.case].prescribed {
                 let dof = model.dof_name(given.dof);
                 if !known.contains(&dof) {
-                    all.prescribe(&dof, given.value, Some(&model.place(given.origin)));
+                    all.prescribe(key(&dof), &dof, given.value, Some(&model.place(given.origin)));
                 }
             }
         }
         all
     }
 
-    fn prescribe(&mut self, dof: &str, value: f64, place: Option<&str>) {
+    fn prescribe(&mut self, key: String, dof: &str, value: f64, place: Option<&str>) {
         let place = place.map_or_else(String::new, |place| format!(", {}", label(place)));
-        self.relations.push((vec![(dof.to_lowercase(), 1.0)], value));
+        self.relations.push((vec![(key, 1.0)], value));
         self.names.push(format!("{} = {}{place}", label(dof), number(value)));
     }
 

@@ -390,6 +390,8 @@ class Result:
             sides["rhs"] = doubles(b)
         if prescribed is not None:
             new = prescribed if isinstance(prescribed, Mapping) else dict(zip(dofs.tolist(), doubles(prescribed), strict=True))
+            for dof in new.keys() - set(dofs.tolist()):
+                raise InputError(f"DOF {dof} is not prescribed; analyse again to prescribe it", dof=int(dof))
             values = np.array([float(new.get(dof, value)) for dof, value in zip(dofs.tolist(), values, strict=True)])
         sides["prescribed"] = dofs, values
         return Result(system((self._system.matrix(), self.shape[1]), sides), self._options, self.left_out)

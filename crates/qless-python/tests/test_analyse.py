@@ -119,8 +119,9 @@ def test_prescribed_and_fixed():
     assert r.u0.tolist() == [3.5, 3.0, 3.0]
     r.refresh(b=[0.0, 0.0], prescribed=[4.0])
     assert r.u0.tolist() == [4.0, 4.0, 4.0]
-    with pytest.raises(qless.InputError, match="not prescribed"):
-        r.refresh(prescribed={0: 1.0})
+    for change in (r.refresh, r.with_values):
+        with pytest.raises(qless.InputError, match="not prescribed"):
+            change(prescribed={0: 1.0})
 
 
 def test_refresh_refuses_conflicts_and_changes_nothing():

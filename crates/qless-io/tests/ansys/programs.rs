@@ -161,3 +161,25 @@ fn a_comma_repeats_the_name_of_the_command_before() {
     assert!(faults(deck(&cleaned).model()).is_empty() && equations(&deck(&cleaned)).len() == 2, "{cleaned}");
     assert_eq!(warnings(&deck(",1,2\n")).len(), 1);
 }
+
+#[test]
+fn nodes_are_selected_deleted_and_renumbered() {
+    let nodes = "N,1,0,0,0\nN,2,1,0,0\nCE,1,3,2,UX,1\n";
+    let of = |select: &str| deck(&format!("{nodes}NSEL,S,NODE,,1\n{select}\nD,ALL,UX,0\n"));
+    for select in ["ALLSEL", "ALLSEL,ALL,ELEM"] {
+        assert_eq!(prescribed(&of(select), 0), ["1:1 0", "2:1 0"], "{select}");
+    }
+    assert_eq!(of("ALLSEL,BELOW,ELEM").model().left_out().count(), 1);
+    let cleared = deck("CE,1,0,1,UX,1,2,UX,-1\nD,1,UX,5\nLSCLEAR,ALL\nD,2,UX,7\n");
+    assert_eq!(prescribed(&cleared, 0), ["2:1 7"]);
+    for (text, expected) in [
+        (format!("{nodes}NUMOFF,NODE,100\n"), Some("4: NUMOFF renumbers")),
+        (format!("NUMOFF,NODE,100\n{nodes}"), None),
+        (format!("{nodes}NDELE,2\n"), Some("4: NDELE deletes nodes")),
+        (format!("N,9,0,0,0\nNDELE,9\n{nodes}"), None),
+    ] {
+        let found = left_out(&text);
+        assert_eq!(found.len(), usize::from(expected.is_some()), "{text}: {found:?}");
+        assert!(expected.is_none_or(|expected| found[0].starts_with(expected)), "{text}: {found:?}");
+    }
+}

@@ -159,8 +159,11 @@ fn a_kinematic_coupling_acts_along_its_orientation_or_the_basic_axes_in_ccx() {
     let axes = "1.,1.,0.,-1.,1.,0.\n";
     let turned = format!("*NSET, NSET=NT\n6\n*TRANSFORM, NSET=NT, TYPE=R\n{axes}");
     let oriented = format!("*ORIENTATION, NAME=O\n{axes}");
+    // The second line turns the axes further, about one of them, by an angle in degrees.
+    let further = ["3,90.", "1,30.", "2,-20."].map(|line| format!("{oriented}{line}\n"));
     for transform in ["", turned.as_str()] {
-        for (orientation, parameter) in [("", ""), (oriented.as_str(), ", ORIENTATION=O")] {
+        let orientations = further.iter().chain([&oriented]).map(|card| (card.as_str(), ", ORIENTATION=O"));
+        for (orientation, parameter) in orientations.chain([("", "")]) {
             for (components, count) in [("1,1", 4), ("1,2", 8), ("2,3", 8), ("1,3", 12)] {
                 let cards = format!(
                     "{transform}{orientation}*COUPLING, REF NODE=9, SURFACE=STOP, CONSTRAINT NAME=C{parameter}\n*KINEMATIC\n{components}\n*BOUNDARY\n9,1,1,.1\n9,2,6\n"

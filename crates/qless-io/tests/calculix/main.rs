@@ -1,5 +1,7 @@
 //! Constraints of CalculiX and Abaqus decks.
 
+/// What Abaqus reads in another way than ccx.
+mod abaqus;
 /// Abaqus parts, instances and assemblies.
 mod assembly;
 /// `*RIGID BODY` and `*COUPLING`, in each solver's meaning.

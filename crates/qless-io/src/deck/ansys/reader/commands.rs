@@ -236,7 +236,7 @@ impl AnsysReader {
         remark.into_iter().for_each(|text| self.warn(command.line, text));
     }
 
-    fn push(&mut self, command: &AnsysCommand, action: EventAction, nodes: NodeChoice, components: ComponentList) {
+    pub fn push(&mut self, command: &AnsysCommand, action: EventAction, nodes: NodeChoice, components: ComponentList) {
         let name = match action {
             EventAction::Prescribe(..) => "D",
             EventAction::Release => "DDELE",

@@ -4,6 +4,7 @@
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::AnsysReader;
+use crate::deck::ansys::model::events::{ComponentList, EventAction, NodeChoice};
 use crate::deck::ansys::model::selection::SelectedNodes;
 use crate::deck::ansys::syntax::command::{AnsysCommand, CommandKey};
 use crate::deck::ansys::syntax::known::{CommandEffect, effect};
@@ -30,15 +31,26 @@ impl AnsysReader {
                 let text = "*IF jumps to another line, which this reader does not follow: constraints that depend on it are left out";
                 self.leave_out(command.line, text.to_owned());
             }
-            b"NUMC" if ["CE", "CP", "NODE", "ALL"].iter().any(|word| command.is(1, word)) => {
+            b"NUMC" | b"NUMO" if self.renumbers(command) => {
                 self.made.unread = true;
-                let text =
-                    "NUMCMP renumbers, which this reader does not follow: later commands with new numbers are left out";
+                let title = command.title();
+                let text = format!(
+                    "{title} renumbers, which this reader does not follow: later commands with new numbers are left out"
+                );
+                self.leave_out(command.line, text);
+            }
+            b"NDEL" if self.made.line > 0 || !self.events.is_empty() => {
+                let text = "NDELE deletes nodes with their constraints, which this reader does not follow: left out";
                 self.leave_out(command.line, text.to_owned());
+            }
+            b"LSCL" if ["ALL", "FE"].iter().any(|word| command.is(1, word)) => {
+                self.push(command, EventAction::Release, NodeChoice::All, ComponentList::default());
+                self.push(command, EventAction::Unload, NodeChoice::All, ComponentList::default());
             }
             b"/EOF" | b"/EXI" => self.ended = true,
             b"NSEL" => self.selection.nodes_by(command),
             b"ALLS" if selects_nodes(command) => self.selection.nodes = SelectedNodes::All,
+            b"ALLS" if command.is(1, "BELOW") => self.selection.nodes = SelectedNodes::Unknown,
             b"NSLE" | b"NSLK" | b"NSLL" | b"NSLA" | b"NSLV" => self.selection.nodes = SelectedNodes::Unknown,
             b"CMSE" => self.selection.components_by(command, &self.nodes),
             b"NROT" | b"NANG" | b"NMOD" | b"NORA" => self.nodes.positions.rotate(),
@@ -62,6 +74,12 @@ impl AnsysReader {
             b"NUMM" if ["ELEM", "TYPE", "REAL", "MAT", "MP", "SECN"].iter().any(|word| command.is(1, word)) => {}
             _ => self.unread(command),
         }
+    }
+
+    /// Whether `NUMCMP, Label` or `NUMOFF, Label` changes numbers that commands have. `NUMOFF` does not if nothing has a number yet.
+    fn renumbers(&self, command: &AnsysCommand) -> bool {
+        let changes = ["CE", "CP", "NODE", "ALL"].iter().any(|word| command.is(1, word));
+        changes && (command.key == *b"NUMC" || !self.is_empty())
     }
 
     /// Whether no command so far has made, or may have made, a node, an equation or a value.
@@ -136,9 +154,9 @@ impl AnsysReader {
     }
 }
 
-/// Whether `ALLSEL, LabT, Entity` selects all nodes.
+/// Whether `ALLSEL, LabT, Entity` selects all nodes: those of all elements belong to them.
 fn selects_nodes(command: &AnsysCommand) -> bool {
     let among =
         |at: usize, words: &[&str]| command.field(at).is_empty() || words.iter().any(|word| command.is(at, word));
-    among(1, &["ALL"]) && among(2, &["ALL", "NODE"])
+    among(1, &["ALL"]) && among(2, &["ALL", "NODE", "ELEM"])
 }

@@ -1,5 +1,6 @@
 //! Makes the equations of `*TIE`. Each node s of the slave surface moves with the nearest point xi of the master surface, `u_s = sum
-//! N_i(xi) u_i`. N_i are the shape functions of the master's face at xi, and u_i the displacements of its nodes.
+//! N_i(xi) u_i`. N_i are the shape functions of the master's face at xi, and u_i the displacements of its nodes. Abaqus ties rotations in
+//! the same way.
 
 use rustc_hash::FxHashSet;
 
@@ -9,8 +10,8 @@ use crate::deck::calculix::model::{DeckDefinitions, DeckSurface};
 use crate::deck::calculix::syntax::{KeywordCard, float};
 use crate::deck::kinematics::body::Poses;
 use crate::deck::kinematics::project::{FaceGrid, MasterFace};
-use crate::deck::kinematics::vector::Vector;
-use crate::deck::{DeckError, Model, Problem, Solver};
+use crate::deck::kinematics::vector::{Vector, dot};
+use crate::deck::{DeckError, Dof, Model, Problem, Solver};
 use crate::fault::quote;
 
 /// Default distance from the master surface within which a node is tied, relative to the typical size of a face.
@@ -37,12 +38,20 @@ pub fn read(
             return Ok(());
         }
     }
+    if card.lines().nth(1).is_some() {
+        if solver == Solver::Abaqus {
+            leave_out(card, "more than one pair of surfaces", model, definitions);
+            return Ok(());
+        }
+        model.warn(card.file, card.line, "*TIE has more than one line: ccx reads only the first".to_owned());
+    }
     if solver == Solver::Ccx && has_shell_faces(card, definitions) {
         leave_out(card, "faces of shells, which ccx expands into solids,", model, definitions);
         return Ok(());
     }
     let place = RegisteredCard::register(card, model, "*TIE");
-    let tied = tied(card, definitions).map_err(|problem| place.fail(model, problem))?;
+    let rotates = solver == Solver::Abaqus && card.parameter("NOROTATION").is_none();
+    let tied = tied(card, definitions, rotates).map_err(|problem| place.fail(model, problem))?;
     if let Some(first) = tied.apart.first() {
         let text = format!(
             "*TIE leaves {} nodes free that are farther than {} from the master surface, such as {first}",
@@ -110,7 +119,8 @@ fn nodes(card: &KeywordCard, definitions: &DeckDefinitions, sides: &[String; 2])
     Ok(nodes)
 }
 
-fn tied(card: &KeywordCard, definitions: &DeckDefinitions) -> Result<Tied, Problem> {
+/// The equations of a tie; if `rotates`, rotations are tied, too, where the node and all nodes of its face have them.
+fn tied(card: &KeywordCard, definitions: &DeckDefinitions, rotates: bool) -> Result<Tied, Problem> {
     let [slave, master] = &sides(card)?;
     let slaves = DeckSurface::find(definitions, card.scope, slave)?;
     let edges = slaves.faces.iter().filter(|_| slaves.is_line);
@@ -135,6 +145,10 @@ fn tied(card: &KeywordCard, definitions: &DeckDefinitions) -> Result<Tied, Probl
                 tied.has_gap |= near.distance > ON_FACE * typical;
                 let before = tied.rows.len();
                 tied.rows.extend(rows(definitions, node, &faces[near.face].nodes, &near.weights)?);
+                let all_rotate = |masters: &[u32]| masters.iter().chain([&node]).all(|&node| definitions.rotates(node));
+                if rotates && all_rotate(&faces[near.face].nodes) {
+                    tied.rows.extend(rotations(definitions, node, &faces[near.face].nodes, &near.weights)?);
+                }
                 tied.on_edges.extend((before..tied.rows.len()).filter(|_| untied.contains(&node)));
             }
             None => tied.apart.push(node),
@@ -157,4 +171,24 @@ fn rows(
     };
     let components = if definitions.is_plane(node) { 2 } else { 3 };
     definitions.pose(node)?.axes.into_iter().take(components).map(row).collect()
+}
+
+/// The equations by which the rotations of a tied node follow those of the nodes of its face, about its own axes.
+fn rotations(
+    definitions: &DeckDefinitions,
+    node: u32,
+    masters: &[u32],
+    weights: &[f64],
+) -> Result<Vec<CardEquation>, Problem> {
+    let row = |(k, axis): (usize, Vector)| {
+        let mut terms = vec![(Dof { node, component: k as u8 + 4 }, 1.0)];
+        for (&master, weight) in masters.iter().zip(weights) {
+            for (component, own) in (4..).zip(definitions.pose(master)?.axes) {
+                let coefficient = -weight * dot(axis, own);
+                terms.extend(Some((Dof { node: master, component }, coefficient)).filter(|_| coefficient != 0.0));
+            }
+        }
+        Ok(CardEquation { terms, rhs: 0.0 })
+    };
+    definitions.pose(node)?.axes.into_iter().enumerate().map(row).collect()
 }

@@ -95,17 +95,18 @@ impl DeckDefinitions {
             }
             b"*TRANSFORM" => {
                 let set = card.word("NSET").unwrap_or_default();
-                self.transforms.push((set, axes(card, card.word("TYPE").as_deref() == Some("C"))));
+                self.transforms.push((set, axes(card, "TYPE")));
             }
-            b"*ORIENTATION" => {
-                let is_cylindrical = card.word("SYSTEM").as_deref() == Some("CYLINDRICAL");
-                self.orientations.insert(key("NAME"), axes(card, is_cylindrical));
-            }
+            b"*ORIENTATION" => _ = self.orientations.insert(key("NAME"), axes(card, "SYSTEM")),
             b"*AMPLITUDE" => self.amplitudes.extend(card.word("NAME")),
-            b"*STEP" => self.is_nonlinear |= card.parameter("NLGEOM").is_some_and(|value| value != "NO"),
+            b"*STEP" => self.is_nonlinear |= card.word("NLGEOM").is_some_and(|value| value != "NO"),
             b"*SELECTCYCLICSYMMETRYMODES" => self.has_diameters = true,
             b"*EQUATION" => card.data.iter().for_each(|piece| self.count(piece)),
-            b"*NGEN" | b"*NCOPY" | b"*NFILL" | b"*NMAP" => self.generates_nodes = true,
+            b"*NGEN" => {
+                self.generates_nodes = true;
+                self.set(card, || SetMembers::Generate(card.data.clone()));
+            }
+            b"*NCOPY" | b"*NFILL" | b"*NMAP" => self.generates_nodes = true,
             _ => {}
         }
     }

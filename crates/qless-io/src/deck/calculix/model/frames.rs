@@ -10,6 +10,7 @@ use crate::deck::calculix::model::{AxesCard, DeckDefinitions};
 use crate::deck::calculix::syntax::{self, DataLines, DataPiece, Scope, float};
 use crate::deck::kinematics::axes::{BASIC_AXES, Frame, FrameKind};
 use crate::deck::kinematics::vector::{Vector, cross, minus, unit};
+use crate::fault::quote;
 
 impl DeckDefinitions {
     /// The local axes of each node that `*TRANSFORM` names.
@@ -32,14 +33,50 @@ impl DeckDefinitions {
     }
 
     fn placed_axes(&self, axes: &AxesCard) -> Result<Frame, Problem> {
-        self.placed(axes.scope, local(axes.is_cylindrical, &axes.data)?)
+        self.placed(axes.scope, local(axes.kind, &axes.data)?)
     }
 }
 
-fn local(cylindrical: bool, data: &[DataPiece]) -> Result<Frame, Problem> {
-    let [a, b] = two_points(DataLines::new(data).take(1).flat_map(|line| line.fields()))?;
-    let axes = if cylindrical { around(a, b) } else { along(a, b) };
-    axes.ok_or_else(|| Problem::Degenerate { what: "the two points define no axes".into() })
+fn local(kind: Option<FrameKind>, data: &[DataPiece]) -> Result<Frame, Problem> {
+    let mut lines = DataLines::new(data);
+    let [a, b] = two_points(lines.next().into_iter().flat_map(|line| line.fields()))?;
+    let degenerate = |what: &str| Problem::Degenerate { what: what.into() };
+    let axes = match kind {
+        Some(FrameKind::Rectangular) => along(a, b),
+        Some(FrameKind::Cylindrical) => around(a, b),
+        _ => return Err(degenerate("axes that are neither rectangular nor cylindrical are not supported")),
+    };
+    let mut frame = axes.ok_or_else(|| degenerate("the two points define no axes"))?;
+    if let Some(line) = lines.next() {
+        let mut fields = line.fields();
+        let axis = fields.next().unwrap_or_default();
+        let angle = fields.next().filter(|field| !field.is_empty()).map_or(Ok(0.0), float)?;
+        if angle != 0.0 {
+            turn(&mut frame, turned_axis(axis)?, angle)?;
+        }
+    }
+    Ok(frame)
+}
+
+/// The axis, from 0, in the second line of `*ORIENTATION`. Without an axis, Abaqus turns about the first one, and ccx does not turn.
+fn turned_axis(field: &[u8]) -> Result<usize, Problem> {
+    let axis = [b"1", b"2", b"3"].iter().position(|axis| field == *axis);
+    axis.ok_or_else(|| Problem::Expected { expected: "an axis from 1 to 3", found: quote(field) })
+}
+
+/// Turns rectangular axes about one of them by an angle in degrees.
+fn turn(frame: &mut Frame, axis: usize, angle: f64) -> Result<(), Problem> {
+    if frame.kind != FrameKind::Rectangular {
+        return Err(Problem::Degenerate {
+            what: "cylindrical axes with an additional rotation are not supported".into(),
+        });
+    }
+    let (sin, cos) = angle.to_radians().sin_cos();
+    let [j, k] = [(axis + 1) % 3, (axis + 2) % 3];
+    let (p, q) = (frame.axes[j], frame.axes[k]);
+    frame.axes[j] = std::array::from_fn(|i| cos * p[i] + sin * q[i]);
+    frame.axes[k] = std::array::from_fn(|i| cos * q[i] - sin * p[i]);
+    Ok(())
 }
 
 /// Reads two points as six coordinates. Empty fields are zero.

@@ -16,6 +16,7 @@ use std::rc::Rc;
 use rustc_hash::FxHashMap;
 
 use crate::deck::calculix::syntax::{DataPiece, KeywordCard, Scope, fold_name};
+use crate::deck::kinematics::axes::FrameKind;
 
 /// A name, and the scope in which it is defined.
 pub type ScopedName = (Scope, String);
@@ -38,13 +39,19 @@ pub struct SurfaceCard {
 /// A `*TRANSFORM` or `*ORIENTATION` card.
 pub struct AxesCard {
     pub scope: Scope,
-    pub is_cylindrical: bool,
+    /// `None` if the kind of axes is not known.
+    pub kind: Option<FrameKind>,
     pub data: Vec<DataPiece>,
 }
 
-/// Copies the axes from a `*TRANSFORM` or `*ORIENTATION` card.
-pub fn axes(card: &KeywordCard, is_cylindrical: bool) -> AxesCard {
-    AxesCard { scope: card.scope, is_cylindrical, data: card.data.clone() }
+/// Copies the axes from a `*TRANSFORM` or `*ORIENTATION` card, whose parameter names their kind by its first letter.
+pub fn axes(card: &KeywordCard, parameter: &str) -> AxesCard {
+    let kind = match card.word(parameter).unwrap_or_default().as_bytes().first() {
+        None | Some(b'R') => Some(FrameKind::Rectangular),
+        Some(b'C') => Some(FrameKind::Cylindrical),
+        Some(_) => None,
+    };
+    AxesCard { scope: card.scope, kind, data: card.data.clone() }
 }
 
 /// Members of a set, as one card gives them.
