@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 use qless::explanation::Repair;
 use qless::{Analysis, Kind, SystemBuilder, analyse};
 
-use crate::arrays::{IndexBase, for_both_indices, has_room, length, read, set, write};
+use crate::arrays::{IndexBase, has_room, length, read, set, write};
 use crate::handles::{insert, on, qless_analysis, qless_options, remove};
 use crate::options;
 use crate::status::{AMBIGUOUS, CallFailure, OK, guard};

@@ -4,7 +4,7 @@
 use std::ffi::{c_int, c_void};
 use std::sync::{Arc, OnceLock};
 
-use crate::arrays::{for_both_indices, length, read, write};
+use crate::arrays::{length, read, write};
 use crate::elimination::HeldElimination;
 use crate::handles::{insert, on, qless_elimination, qless_pattern};
 use crate::pattern::{ElementDofs, HeldPattern, prescribed_dofs};

@@ -6,7 +6,7 @@ use std::sync::{Arc, RwLock, RwLockReadGuard};
 use qless::{Csr, Elimination, Form};
 
 use crate::analysis;
-use crate::arrays::{CIndex, IndexBase, for_both_indices, set, write};
+use crate::arrays::{CIndex, IndexBase, set, write};
 use crate::handles::{insert, on, qless_analysis, qless_elimination, remove, unharmed};
 use crate::status::{CallFailure, guard};
 

@@ -7,7 +7,7 @@ use qless::Doubt;
 use qless::explanation::{Explanation, Number};
 
 use crate::analysis::HeldAnalysis;
-use crate::arrays::{for_both_indices, has_room, set, write, write_text};
+use crate::arrays::{has_room, set, write, write_text};
 use crate::handles::{on, qless_analysis};
 use crate::status::CallFailure;
 

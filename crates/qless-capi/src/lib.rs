@@ -12,6 +12,31 @@
 //! the language boundary. A handle may be used by several threads at once.
 #![expect(unsafe_code, reason = "arrays of C come as addresses and lengths; `arrays` turns them into slices")]
 
+/// Defines a function of C for both index types: `narrow` where I is `i32`, and `narrow_64` where I is `i64`.
+macro_rules! for_both_indices {
+    ($wide:ident = $(#[$doc:meta])* pub unsafe extern "C" fn $narrow:ident<$I:ident>($($arguments:tt)*) -> c_int $body:block) => {
+        mod $narrow {
+            use super::*;
+            type $I = i32;
+            $(#[$doc])*
+            #[unsafe(no_mangle)]
+            pub unsafe extern "C" fn $narrow($($arguments)*) -> c_int $body
+        }
+        mod $wide {
+            use super::*;
+            type $I = i64;
+            #[doc = concat!("[`", stringify!($narrow), "`](super::", stringify!($narrow), ") with 64-bit indices.")]
+            ///
+            /// # Safety
+            #[doc = concat!("As [`", stringify!($narrow), "`](super::", stringify!($narrow), ").")]
+            #[unsafe(no_mangle)]
+            pub unsafe extern "C" fn $wide($($arguments)*) -> c_int $body
+        }
+        pub use $narrow::$narrow;
+        pub use $wide::$wide;
+    };
+}
+
 mod analysis;
 mod apply;
 mod arrays;

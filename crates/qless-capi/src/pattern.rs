@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use qless::elimination::{CondensedPattern, PrescribedDofs, Storage, View};
 
-use crate::arrays::{for_both_indices, length, read, set, write};
+use crate::arrays::{length, read, set, write};
 use crate::elimination::HeldElimination;
 use crate::handles::{insert, on, qless_elimination, qless_pattern, remove};
 use crate::status::{CallFailure, guard};

@@ -10,6 +10,7 @@
 //!   ignores rows that are independent by less than a step changes G.
 //! - Connected parts are iterated together, each with its own step lengths and termination. The result of a part does not depend on other
 //!   parts, to the last bit. Prescribed DOFs do not connect parts.
+//!   An exception: beside a part near a redundant loop, the result of another one may differ by rounding.
 //! - If G loses rank while c is nonzero (a dead centre), no first-order step exists. A second-order step may; see
 //!   [`NewtonError::Conflict`].
 

@@ -1,7 +1,7 @@
 //! `*TRANSFORM` and `*ORIENTATION`: local axes from two points a and b.
 //!
 //! Rectangular axes: the first axis points to a, and b lies in the plane of the first two axes. Cylindrical axes: the third axis points
-//! from a to b, and the first axis is radial.
+//! from a to b, and the first axis is radial. A second line of `*ORIENTATION` turns rectangular axes about one of them.
 
 use rustc_hash::FxHashMap;
 
