@@ -7,7 +7,8 @@ use std::sync::Arc;
 
 use qless::change::{RefreshError, Refresher};
 use qless::{
-    Analysis, ArgumentError, BackendChoice, ConstraintSystem, Kind, Options, Preferences, Reduction, SystemBuilder,
+    Analysis, ArgumentError, BackendChoice, ConstraintSystem, Kind, Noise, Options, Preferences, Reduction,
+    SystemBuilder,
 };
 use qless_scenes::Rng;
 use qless_scenes::families::{self, Windows};
@@ -19,6 +20,8 @@ on_each_backend!(
     conflicts_come_and_go,
     prescribed_values_contradict_and_agree,
     a_kept_equation_still_wins,
+    large_sides_hide_no_conflict,
+    stated_errors_of_new_sides_count,
 );
 
 fn random(rng: &mut Rng) -> f64 {
@@ -62,6 +65,7 @@ fn check(system: &ConstraintSystem, options: &Options, rhs: &[f64], prescribed: 
         assert!((a - b).abs() <= limit, "g[{i}]: {a}, fresh {b}");
     }
     assert_eq!(refreshed.kinds, fresh.kinds());
+    assert_eq!(refreshed.confidence.doubt, fresh.confidence().doubt);
     assert_eq!(refreshed.generated.len(), fresh.generated().len());
     for (a, b) in refreshed.generated.iter().zip(fresh.generated()) {
         assert!(a.0 == b.0 && (a.1 - b.1).abs() <= limit, "{a:?}, fresh {b:?}");
@@ -171,6 +175,65 @@ fn a_kept_equation_still_wins(backend: BackendChoice) {
                 let wrong: Vec<f64> = (0..rhs.len()).map(|i| rhs[i] + 0.1 * (i % 2) as f64).collect();
                 check(system, &options, &wrong, &values);
             }
+        }
+    }
+}
+
+/// The third equation is a combination of the first two and off or not; the fourth has a side of 1e9 to 1e16 and is in no certificate.
+/// A refresh and a new analysis find the conflict or are in doubt, and one is seldom in doubt without the other.
+fn large_sides_hide_no_conflict(backend: BackendChoice) {
+    let (mut found, mut differing) = ([0; 4], 0);
+    for seed in 0..600 {
+        let mut random = Rng::new(seed);
+        let mut whole = |most: usize| random.below(2 * most + 1) as f64 - most as f64;
+        let (a, c, off) = (whole(3), whole(3), whole(2) / [2.0, 2e7][seed as usize % 2]);
+        let (b1, b2) = (whole(9), whole(9));
+        let mut row = || (0..4).map(|_| whole(4)).collect::<Vec<f64>>();
+        let (first, second, large) = (row(), row(), row());
+        let third = first.iter().zip(&second).map(|(x, y)| a * x + c * y).collect();
+        let mut builder = SystemBuilder::new(4);
+        for row in [first, second, third, large] {
+            builder.equation(row.into_iter().enumerate().filter(|(_, v)| *v != 0.0), 0.0);
+        }
+        let system = builder.build().expect("valid");
+        let rhs = [b1, b2, a * b1 + c * b2 + off, 10_f64.powi(9 + (seed % 8) as i32)];
+        for options in settings(backend) {
+            let analysis = diagnose(&system, &options);
+            let mut reduction = analysis.reduction().expect("within the gate");
+            let refreshed = Refresher::new(analysis).expect("factored").refresh(&rhs, &[], &mut reduction);
+            let refreshed = refreshed.expect("valid");
+            let fresh = diagnose(&with(&system, &rhs, &[]), &options);
+            if fresh.rank() < 3 {
+                continue;
+            }
+            // Sums of whole numbers are exact, so every sure verdict must be right.
+            for (kinds, doubt) in
+                [(&refreshed.kinds[..], refreshed.confidence.doubt), (fresh.kinds(), fresh.confidence().doubt)]
+            {
+                let is_right = kinds.contains(&Kind::Conflicting) == (off != 0.0);
+                assert!(is_right || doubt.is_some(), "{seed}: {system:?} {rhs:?} {kinds:?}");
+                found[usize::from(doubt.is_some()) + 2 * usize::from(off != 0.0)] += 1;
+            }
+            differing += usize::from(refreshed.confidence.ambiguous != fresh.confidence().ambiguous);
+        }
+    }
+    assert_eq!(found[1], 0, "consistent systems in doubt");
+    assert!(found[0] > 100 && found[2] > 100 && 50 * differing < found.iter().sum(), "{found:?} {differing}");
+}
+
+fn stated_errors_of_new_sides_count(backend: BackendChoice) {
+    let mut builder = SystemBuilder::new(2);
+    builder.equation([(0, 1.0), (1, 1.0)], 0.0);
+    builder.equation([(0, 2.0), (1, 2.0)], 0.0);
+    let system = builder.build().expect("valid");
+    for options in settings(backend) {
+        for (noise, rhs) in [
+            (Noise::Relative(1e-4), [1.0, 2.00001]),
+            (Noise::Relative(1e-4), [1.0, 2.001]),
+            (Noise::Floors { coefficients: vec![0.0; 2], rhs: vec![0.0, 0.25] }, [1.0, 2.125]),
+            (Noise::Floors { coefficients: vec![0.0; 2], rhs: vec![0.0, 0.25] }, [1.0, 3.0]),
+        ] {
+            check(&system, &Options { noise, ..options.clone() }, &rhs, &[]);
         }
     }
 }

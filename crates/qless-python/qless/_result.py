@@ -87,7 +87,12 @@ class Result:
     @property
     def kinds(self) -> np.ndarray:
         """A :class:`Kind` for each equation, for the current b and prescribed values."""
-        return self._analysis.kinds() if self._made is None else self._made.kinds()
+        return self._current.kinds()
+
+    @property
+    def _current(self) -> _qless.Analysis | _qless.Elimination:
+        """What holds the verdicts for the current b and prescribed values."""
+        return self._analysis if self._made is None else self._made
 
     def _rows(self, kind: Kind) -> np.ndarray:
         return np.flatnonzero(self.kinds == kind)
@@ -113,10 +118,10 @@ class Result:
         worst = Kind(int(self.kinds.max(initial=0)))
         return "incomplete" if self.left_out and worst != Kind.CONFLICTING else worst.name.lower()
 
-    @cached_property
+    @property
     def fixed(self) -> dict[int, float]:
-        """Free DOFs that the equations fix, with the values for the b and prescribed values of the analysis."""
-        dofs, values = self._analysis.fixed()
+        """Free DOFs that the equations fix, with the values for the current b and prescribed values."""
+        dofs, values = self._current.fixed()
         return dict(zip(dofs.tolist(), values.tolist(), strict=True))
 
     @cached_property
@@ -181,18 +186,18 @@ class Result:
     @property
     def digits(self) -> Digits:
         """The confidence in the rank, in digits."""
-        kept, dropped, _, _ = self._analysis.confidence()
+        kept, dropped, _, _ = self._current.confidence()
         return Digits(kept, dropped)
 
     @property
     def ambiguous(self) -> bool:
         """Whether a small change of the coefficients, or another reading of rounding, gives another verdict."""
-        return self._analysis.confidence()[2]
+        return self._current.confidence()[2]
 
     @property
     def doubt(self) -> str | None:
         """The reason of an ambiguous verdict."""
-        return self._analysis.confidence()[3]
+        return self._current.confidence()[3]
 
     @property
     def other_reading(self) -> dict[str, Any] | None:

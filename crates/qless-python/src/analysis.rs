@@ -5,7 +5,7 @@ use std::sync::Arc;
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use qless::{Analysis, Report, analyse as analyse_system};
+use qless::{Analysis, Confidence, Report, analyse as analyse_system};
 
 use crate::elimination::{PyElimination, numbers_of};
 use crate::errors::{LabelNames, analysis_error, argument_error, plain};
@@ -20,7 +20,7 @@ use crate::system::{PySystem, places};
 pub struct PyAnalysis(Arc<Analysis>);
 
 /// An array of rows or DOFs, and an array with a number for each of them.
-type TermArrays<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<f64>>);
+pub type TermArrays<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<f64>>);
 
 /// `(row, DOF, coefficient)` of each coefficient.
 type Coefficients = Vec<(usize, usize, f64)>;
@@ -43,6 +43,21 @@ fn terms<'py>(py: Python<'py>, terms: &[qless::CertificateTerm]) -> TermArrays<'
     (places(py, &rows), coefficients.into_pyarray(py))
 }
 
+/// DOFs and their values, as two arrays.
+pub fn fixed_dofs<'py>(py: Python<'py>, fixed: &[(usize, f64)]) -> TermArrays<'py> {
+    let (dofs, values): (Vec<usize>, Vec<f64>) = fixed.iter().copied().unzip();
+    (places(py, &dofs), values.into_pyarray(py))
+}
+
+/// A confidence: `(digits kept, digits dropped, ambiguous, doubt)`.
+pub type ConfidenceNumbers = (f64, f64, bool, Option<String>);
+
+pub fn confidence_numbers(confidence: Confidence) -> ConfidenceNumbers {
+    let doubt = confidence.doubt.map(|doubt| serde_json::to_string(&doubt).unwrap_or_default());
+    let doubt = doubt.map(|word| word.trim_matches('"').to_owned());
+    (confidence.digits_kept(), confidence.digits_dropped(), confidence.ambiguous, doubt)
+}
+
 #[pymethods]
 impl PyAnalysis {
     #[getter]
@@ -63,8 +78,7 @@ impl PyAnalysis {
 
     /// Free DOFs that the equations fix, and their values.
     fn fixed<'py>(&self, py: Python<'py>) -> TermArrays<'py> {
-        let (dofs, values): (Vec<usize>, Vec<f64>) = self.0.generated().iter().copied().unzip();
-        (places(py, &dofs), values.into_pyarray(py))
+        fixed_dofs(py, self.0.generated())
     }
 
     /// The certificate of a row, and its relative error. The error is 0 if it is at most the tolerance, or if it is not computed (quick
@@ -100,11 +114,8 @@ impl PyAnalysis {
     }
 
     /// The confidence: `(digits kept, digits dropped, ambiguous, doubt)`, as in `Confidence::digits_kept` and `Confidence::digits_dropped`.
-    fn confidence(&self) -> (f64, f64, bool, Option<String>) {
-        let confidence = self.0.confidence();
-        let doubt = confidence.doubt.map(|doubt| serde_json::to_string(&doubt).unwrap_or_default());
-        let doubt = doubt.map(|word| word.trim_matches('"').to_owned());
-        (confidence.digits_kept(), confidence.digits_dropped(), confidence.ambiguous, doubt)
+    fn confidence(&self) -> ConfidenceNumbers {
+        confidence_numbers(self.0.confidence())
     }
 
     /// The result if the listed coefficients, which may be rounding, are read the other way (as zero, or as given):

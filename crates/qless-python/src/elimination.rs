@@ -7,6 +7,7 @@ use pyo3::prelude::*;
 use qless::elimination::{CondensedPattern, EliminationError, PrescribedDofs, View};
 use qless::{Analysis, ArgumentError, ConstraintSystem, Elimination, Form, Kind};
 
+use crate::analysis::{ConfidenceNumbers, TermArrays, confidence_numbers, fixed_dofs};
 use crate::errors::{LabelNames, argument_error, elimination_error};
 use crate::interrupt::run;
 use crate::system::{IndexArray, RowArrays, indices, places, row_arrays, starts};
@@ -138,6 +139,16 @@ impl PyElimination {
 
     fn kinds<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
         self.with(py, |elimination| numbers_of(elimination.kinds())).into_pyarray(py)
+    }
+
+    /// DOFs that the equations fix, and their values, for the current b and u_p.
+    fn fixed<'py>(&self, py: Python<'py>) -> TermArrays<'py> {
+        fixed_dofs(py, &self.with(py, |elimination| elimination.generated().to_vec()))
+    }
+
+    /// The confidence for the current b and u_p, as of an analysis.
+    fn confidence(&self, py: Python<'_>) -> Option<ConfidenceNumbers> {
+        self.with(py, |elimination| elimination.confidence().map(confidence_numbers))
     }
 
     /// T of `u_s = T u_q + G u_p + g` as `(starts, columns, values)`, slaves x masters.

@@ -14,11 +14,20 @@ use std::sync::Arc;
 
 use super::replay::{BlockSolver, Replay};
 use crate::common::argument::numbers;
+use crate::diagnosis::certificate::History;
 use crate::diagnosis::classify::{Dependent, Kind, MismatchRule, Source};
+use crate::diagnosis::confidence::{Confidence, Doubt, are_sides_in_doubt};
+use crate::diagnosis::hidden_conflicts;
+use crate::diagnosis::nullspace_probe::RandomKeys;
+use crate::diagnosis::proof::are_sides_contradicted;
+use crate::diagnosis::refined::SolveKept;
 use crate::factor::backend::BackendError;
+use crate::factor::backend::many::Slab;
 use crate::input::components::Labels;
+use crate::input::noise::of_right_hand_sides;
 use crate::input::numbering::LocalSystem;
 use crate::input::scale::ldexp;
+use crate::presolve::basis::Basis;
 use crate::presolve::eliminated::Mismatch;
 use crate::reduction::residual_check;
 use crate::{Analysis, ArgumentError, ConstraintSystem, Reduction, ReductionError};
@@ -55,6 +64,9 @@ pub struct Refreshed {
     pub mismatches: Vec<f64>,
     /// Free DOFs that the equations fix, and their values; ascending.
     pub generated: Vec<(usize, f64)>,
+    /// The certainty of these verdicts. Its distance and error are those of the analysis, because they depend on C only. A doubt about
+    /// right-hand sides is that of the new ones. [`crate::Effort::Proved`] and [`crate::Effort::Exact`] prove nothing about new ones.
+    pub confidence: Confidence,
 }
 
 /// Errors of a refresh; the reduction is then unchanged.
@@ -98,7 +110,7 @@ impl Refresher {
     pub fn new(analysis: impl Into<Arc<Analysis>>) -> Result<Self, BackendError> {
         let analysis = analysis.into();
         let Analysis { basis, blocks, scaling, history, options, .. } = &*analysis;
-        let local = analysis.numbering.view(&analysis.system, analysis.system.rhs());
+        let local = analysis.local();
         let peeled = basis.peeled.iter().zip(basis.slaves());
         let pivots = peeled.map(|(&row, &slave)| local.coefficient(row as usize, slave)).collect();
         let solver = |(block, kept)| BlockSolver::new(block, kept, scaling, options.memory);
@@ -131,12 +143,18 @@ impl Refresher {
         if reduction.of != self.analysis.identity {
             return Err(ArgumentError::Foreign { what: "the reduction" }.into());
         }
+        let Analysis { dependent, distances, numbering, scaling, options, .. } = &*self.analysis;
+        let values: Vec<_> = self.local().prescribed_places().map(|(l, place)| (l, prescribed[place])).collect();
+        let local = numbering.view(self.system(), rhs).with_prescribed(&values);
+        let noise = of_right_hand_sides(local, &scaling.row, &options.noise);
         let agreeing;
-        let mut replay = Replay::new(&self.analysis, rhs, prescribed);
-        let dependent = &self.analysis.dependent;
-        let local = self.analysis.numbering.view(self.system(), rhs);
-        let rule = MismatchRule::new(local, &self.analysis.scaling, &self.analysis.options);
-        let found: Vec<Dependent> = dependent.iter().map(|d| self.classify(d, &replay, &rule)).collect();
+        let mut replay = Replay::with_noise(&self.analysis, rhs, prescribed, noise.as_deref());
+        let rule = MismatchRule::new(local, scaling, options);
+        let mut found: Vec<Dependent> = dependent.iter().map(|d| self.classify(d, &replay, &rule)).collect();
+        if noise.is_none() && !options.tolerance.is_absolute() {
+            hidden_conflicts::find(&mut found, &mut RandomKeys::default(), self, distances, &rule);
+        }
+        let confidence = self.confidence(&found, &rule);
         // These equations were dropped in favour of others. As in the analysis, they must not change g if they conflict.
         let given = dependent.iter().map(|d| matches!(d.source, Source::Given(_)));
         let overruled = found.iter().zip(given).filter(|(d, given)| *given && d.kind == Kind::Conflicting);
@@ -151,7 +169,7 @@ impl Refresher {
         let mut kinds = vec![Kind::Independent; rhs.len()];
         found.iter().for_each(|d| kinds[d.row] = d.kind);
         let mismatches = found.iter().map(|d| d.mismatch).collect();
-        Ok(Refreshed { kinds, mismatches, generated: self.generated(&replay, prescribed) })
+        Ok(Refreshed { kinds, mismatches, generated: self.generated(&replay, prescribed), confidence })
     }
 
     fn system(&self) -> &ConstraintSystem {
@@ -159,10 +177,19 @@ impl Refresher {
     }
 
     fn local(&self) -> LocalSystem<'_> {
-        self.analysis.numbering.view(self.system(), self.system().rhs())
+        self.analysis.local()
     }
 
-    /// Classifies a dependent equation by its new mismatch; the result has no certificate.
+    fn confidence(&self, dependent: &[Dependent], rule: &MismatchRule) -> Confidence {
+        let Analysis { history, options, confidence, .. } = &*self.analysis;
+        let doubt = confidence.doubt.filter(|&doubt| doubt != Doubt::Mismatch);
+        let of_c = Confidence { doubt, ambiguous: doubt.is_some(), ..*confidence };
+        let is_in_doubt = are_sides_in_doubt(dependent, history, rule, options.tolerance)
+            || options.effort.checks() && are_sides_contradicted(&self.analysis, dependent, rule.system);
+        if is_in_doubt { of_c.or(Doubt::Mismatch) } else { of_c }
+    }
+
+    /// Classifies a dependent equation by its new mismatch.
     fn classify(&self, d: &Dependent, replay: &Replay, rule: &MismatchRule) -> Dependent {
         let rest = match &d.source {
             Source::Traced(row, because, units) => {
@@ -174,7 +201,7 @@ impl Refresher {
                 rest
             }
         };
-        Dependent::new(d.row, rest, d.dropped, Source::Given(Vec::new()), rule)
+        Dependent::new(d.row, rest, d.dropped, d.source.clone(), rule)
     }
 
     /// The mismatch `b_k - sum_i y_i b_i` of row k, and a bound of its error; y is the certificate of row k over rows of a block. Each
@@ -304,5 +331,23 @@ impl Refresher {
         u.iter_mut().zip(correction).for_each(|(u, c)| *u += c);
         let named = self.analysis.generated.iter().zip(fixed);
         named.map(|(&(dof, _), &l)| (dof, u[l as usize])).collect()
+    }
+}
+
+impl SolveKept for Refresher {
+    fn parts(&self) -> (LocalSystem<'_>, &Basis, &History) {
+        (self.local(), &self.analysis.basis, &self.analysis.history)
+    }
+
+    fn correction<const W: usize>(&self, left: impl Fn(usize) -> [f64; W]) -> Slab<W> {
+        let independent = self.analysis.independent();
+        let sides: Slab<W> = (0..independent.len()).map(|i| if independent[i] { left(i) } else { [0.0; W] }).collect();
+        let mut x = vec![[0.0; W]; self.local().dofs()];
+        for w in 0..W {
+            let side: Vec<f64> = sides.iter().map(|side| side[w]).collect();
+            let solution = self.complete(&Replay::new(&self.analysis, &side, &[]), None);
+            x.iter_mut().zip(solution).for_each(|(x, value)| x[w] = value);
+        }
+        x
     }
 }

@@ -38,20 +38,28 @@ pub struct Replay<'a> {
     pub rhs: &'a [f64],
     /// For each DOF by its local number, its prescribed value, or 0 if it is free. Empty if u_p is zero.
     values: Vec<f64>,
+    /// Stated errors of the right-hand sides, in scaled rows; None if there are none.
+    noise: Option<&'a [f64]>,
     /// The right-hand side of the pivot row of each step.
     pub steps: Vec<RowRhs>,
 }
 
 impl<'a> Replay<'a> {
-    /// Repeats the elimination for the right-hand sides `rhs` and these prescribed values. If `prescribed` is empty, u_p is zero.
+    /// Repeats the elimination for the right-hand sides `rhs` without errors and these prescribed values. If `prescribed` is empty, u_p is
+    /// zero.
     pub fn new(analysis: &'a Analysis, rhs: &'a [f64], prescribed: &[f64]) -> Self {
+        Self::with_noise(analysis, rhs, prescribed, None)
+    }
+
+    /// [`Replay::new`] for right-hand sides with these errors, in scaled rows.
+    pub fn with_noise(analysis: &'a Analysis, rhs: &'a [f64], prescribed: &[f64], noise: Option<&'a [f64]>) -> Self {
         let local = analysis.numbering.view(&analysis.system, rhs);
         let mut values = vec![0.0; if prescribed.is_empty() { 0 } else { local.dofs() }];
         if !values.is_empty() {
             local.prescribed_places().for_each(|(l, place)| values[l] = prescribed[place]);
         }
         let steps = Vec::with_capacity(analysis.history.steps.len());
-        let mut replay = Self { analysis, local, rhs, values, steps };
+        let mut replay = Self { analysis, local, rhs, values, noise, steps };
         for &row in &analysis.history.steps {
             let side = replay.row(row);
             replay.steps.push(side);
@@ -76,6 +84,8 @@ impl<'a> Replay<'a> {
     fn side(&self, row: usize, scaled: bool) -> RowRhs {
         let exponent = if scaled { self.analysis.scaling.row[row] } else { 0 };
         let mut sum = WorkingRow::new(ldexp(self.rhs[row], exponent));
+        let noise = self.noise.map_or(0.0, |noise| noise[row]);
+        sum.effective_error += ldexp(noise, exponent - self.analysis.scaling.row[row]);
         if !self.values.is_empty() {
             let fixed = self.local.row(row).filter(|&(j, _)| !self.local.free()[j]);
             fixed.for_each(|(j, v)| sum.prescribe(ldexp(v, exponent) * self.values[j]));

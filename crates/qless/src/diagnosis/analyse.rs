@@ -20,7 +20,7 @@ use rayon::prelude::*;
 use super::certificate::History;
 use super::classify::{Dependent, Kind, MismatchRule, classify};
 use super::confidence::{CLEAR_MISMATCH, Confidence, Doubt};
-use super::consistent::{not_redundant, side, to_give_up};
+use super::consistent::{not_redundant, to_give_up};
 use super::distance::CoreDistance;
 use super::nullspace_probe::{InverseEstimate, NullspaceProbe, ProbeSample, RandomKeys, is_far, probe, random_sides};
 use super::pass_result::{PassResult, groups, statistics};
@@ -30,7 +30,7 @@ use crate::factor::backend::BackendError;
 use crate::factor::block::triangle::Triangle;
 use crate::factor::block::{self, Block, FactorContext};
 use crate::input::components::Labels;
-use crate::input::noise::{TYPED, last_digit, of_right_hand_sides, relative_floors, typed_precision};
+use crate::input::noise::{of_right_hand_sides, relative_floors};
 use crate::input::numbering::{Column, Exponents, LocalSystem, Numbering};
 use crate::input::preferences::SlavePreferences;
 use crate::input::scale::{Scaling, balanced};
@@ -271,19 +271,18 @@ impl Pipeline<'_> {
         let distances = known.unwrap_or_else(|| self.distances(&pass));
         let distance = distances.iter().fold(1.0, |least: f64, core| least.min(core.distance));
         let is_typed = distances.iter().any(|core| core.is_typed);
+        pass.distances = distances.iter().map(|core| (core.row, core.distance)).collect();
         if self.noise.is_none() && !self.tolerance.is_absolute() {
-            hidden_conflicts::find(&mut pass, self.rule);
+            self.find_hidden_conflicts(&mut pass);
         }
         let dependent = &pass.dependent;
         let reads_digits = self.rule.reads_digits() && self.tolerance.stated().is_none();
         let typed = (is_typed && reads_digits).then_some(Doubt::Near);
         let error = dependent.iter().map(|d| self.beyond_floors(d, &pass.history)).fold(dropped, f64::max);
         let elimination = is_unverified.then_some(Doubt::Elimination);
-        let differ = confidence::doubted(dependent, self.local.system(), self.tolerance).next().is_some()
-            || (reads_digits && dependent.iter().any(|d| self.agrees_as_typed(d, &pass.history)));
+        let differ = confidence::are_sides_in_doubt(dependent, &pass.history, self.rule, self.tolerance);
         let other = typed.or(elimination).or(differ.then_some(Doubt::Mismatch));
         let confidence = Confidence::of(distance, error, self.tolerance, other);
-        pass.distances = distances.iter().map(|core| (core.row, core.distance)).collect();
         if !pass.probe.immobile.is_empty() {
             pass.particular = generated::particular(&pass.kept(self.local, self.scaling));
         }
@@ -301,18 +300,11 @@ impl Pipeline<'_> {
         if d.dropped > floor { d.dropped } else { 0.0 }
     }
 
-    /// Returns true if the mismatch of a conflict is within the last digit with which the coefficients of its equations were typed.
-    fn agrees_as_typed(&self, d: &Dependent, history: &History) -> bool {
-        if d.kind != Kind::Conflicting || d.relative_mismatch >= last_digit(*TYPED.start()) {
-            return false;
-        }
-        let terms = d.source.explain(history);
-        let members = terms.iter().map(|term| term.row).chain([d.row]);
-        let precision = typed_precision(members.map(|row| self.local.row(row).map(|(_, value)| value)));
-        // Only right-hand sides of the certificate count. The elimination may have added larger ones and subtracted them again.
-        let sides = terms.iter().map(|term| (term.coefficient * side(self.rule, term.row).size).abs());
-        let size = sides.fold(side(self.rule, d.row).size, f64::max);
-        d.mismatch.abs() < precision * size
+    fn find_hidden_conflicts(&self, pass: &mut PassResult) {
+        let (mut dependent, mut keys) = (std::mem::take(&mut pass.dependent), std::mem::take(&mut pass.keys));
+        let kept = pass.kept(self.local, self.scaling);
+        hidden_conflicts::find(&mut dependent, &mut keys, &kept, &pass.distances, self.rule);
+        (pass.dependent, pass.keys) = (dependent, keys);
     }
 
     /// One run of the stages. Rows held back skip presolve and go to the backend.

@@ -146,7 +146,7 @@ impl Analysis {
         vector: impl IntoIterator<Item = (u32, f64)>,
         terms: &[CertificateTerm],
     ) -> Vec<(u32, (f64, f64))> {
-        let local = self.numbering.view(&self.system, self.system.rhs());
+        let local = self.local();
         let of_term = |term: &CertificateTerm| {
             let coefficient = term.coefficient;
             local.row(term.row).map(move |(j, v)| (j as u32, -coefficient, v))
@@ -170,7 +170,7 @@ impl Analysis {
     }
 
     pub(super) fn entries(&self, row: usize) -> impl Iterator<Item = (u32, f64)> {
-        self.numbering.view(&self.system, self.system.rhs()).row(row).map(|(j, v)| (j as u32, v))
+        self.local().row(row).map(|(j, v)| (j as u32, v))
     }
 
     fn with_error(&self, row: usize, terms: Vec<CertificateTerm>) -> (Vec<CertificateTerm>, f64) {
@@ -197,7 +197,7 @@ impl Analysis {
     ) -> Result<Vec<CertificateTerm>, BackendError> {
         let backend: Box<dyn Backend> = self.options.backend.get(self.options.memory)?;
         let explainer = Explainer {
-            system: self.numbering.view(&self.system, self.system.rhs()),
+            system: self.local(),
             basis: &self.basis,
             blocks: &self.blocks,
             history: &self.history,

@@ -12,7 +12,7 @@ use crate::input::scale::Scaling;
 use crate::presolve::basis::{BlockCertificate, Diagnosed};
 use crate::presolve::eliminated::Eliminated;
 pub(crate) use crate::presolve::eliminated::Mismatch;
-use crate::presolve::rows::MORE_THAN_ROUNDING;
+use crate::presolve::rows::{MORE_THAN_ROUNDING, WorkingRow};
 
 /// The verdict on an equation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,6 +79,15 @@ impl<'a> MismatchRule<'a> {
     pub fn prescribed_value(&self, dof: usize) -> f64 {
         let values = self.prescribed.get_or_init(|| self.system.prescribed().iter().copied().collect());
         values.get(&dof).copied().unwrap_or(0.0)
+    }
+
+    /// `b - C_p u_p` of an equation: its right-hand side minus the terms of prescribed DOFs.
+    pub fn side(&self, row: usize) -> Mismatch {
+        let mut side = WorkingRow::new(self.system.rhs()[row]);
+        for (j, v) in self.system.row(row).filter(|&(j, _)| !self.system.free()[j]) {
+            side.prescribe(v * self.prescribed_value(j));
+        }
+        Mismatch::of_row(&side)
     }
 
     fn suspects(&self, row: usize, mismatch: f64) -> bool {

@@ -1,8 +1,10 @@
 //! The certainty of a verdict, in digits: the distance of the kept equations from dependence, and the agreement of the dropped ones.
 
-use crate::diagnosis::classify::Dependent;
-use crate::input::noise::is_typed;
-use crate::{ConstraintSystem, Tolerance};
+use crate::Tolerance;
+use crate::diagnosis::certificate::History;
+use crate::diagnosis::classify::{Dependent, Kind, MismatchRule};
+use crate::input::noise::{TYPED, is_typed, last_digit, typed_precision};
+use crate::input::numbering::LocalSystem;
 
 /// The kept equations are in doubt if relative changes of coefficients smaller than this make them dependent: computed coefficients may be
 /// wrong in their 8th digit.
@@ -121,10 +123,36 @@ impl Confidence {
     }
 }
 
+/// Returns true if the right-hand sides of dependent equations differ by so little that another reading of them gives another verdict.
+pub(crate) fn are_sides_in_doubt(
+    dependent: &[Dependent],
+    history: &History,
+    rule: &MismatchRule,
+    tolerance: Tolerance,
+) -> bool {
+    let reads_digits = rule.reads_digits() && tolerance.stated().is_none();
+    doubted(dependent, rule.system, tolerance).next().is_some()
+        || (reads_digits && dependent.iter().any(|d| agrees_as_typed(d, history, rule)))
+}
+
+/// Returns true if the mismatch of a conflict is within the last digit with which the coefficients of its equations were typed.
+fn agrees_as_typed(d: &Dependent, history: &History, rule: &MismatchRule) -> bool {
+    if d.kind != Kind::Conflicting || d.relative_mismatch >= last_digit(*TYPED.start()) {
+        return false;
+    }
+    let terms = d.source.explain(history);
+    let members = terms.iter().map(|term| term.row).chain([d.row]);
+    let precision = typed_precision(members.map(|row| rule.system.row(row).map(|(_, value)| value)));
+    // Only right-hand sides of the certificate count. The elimination may have added larger ones and subtracted them again.
+    let sides = terms.iter().map(|term| (term.coefficient * rule.side(term.row).size).abs());
+    let size = sides.fold(rule.side(d.row).size, f64::max);
+    d.mismatch.abs() < precision * size
+}
+
 /// Dependent equations that might get another verdict with another tolerance of right-hand sides.
-pub(crate) fn doubted<'a>(
+fn doubted<'a>(
     dependent: &'a [Dependent],
-    system: &'a ConstraintSystem,
+    system: LocalSystem<'a>,
     tolerance: Tolerance,
 ) -> impl Iterator<Item = usize> + 'a {
     let is_stated = tolerance.stated().is_some();
@@ -132,7 +160,7 @@ pub(crate) fn doubted<'a>(
     let is_doubtful = move |d: &&Dependent| {
         let small = !is_stated && d.relative_mismatch > NO_MISMATCH && d.relative_mismatch < SMALL_MISMATCH;
         // `0 = b` has no terms and no unit of its own: a computed b is compared with those of other equations.
-        let empty = system.matrix().row(d.row).len() == 0 && d.mismatch != 0.0 && !is_typed(d.mismatch);
+        let empty = system.length(d.row) == 0 && d.mismatch != 0.0 && !is_typed(d.mismatch);
         small || d.is_suspect || (empty && d.mismatch.abs() < SMALL_MISMATCH * largest_rhs)
     };
     dependent.iter().filter(is_doubtful).map(|d| d.row)

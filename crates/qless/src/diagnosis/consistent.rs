@@ -13,13 +13,13 @@ use std::collections::BTreeSet;
 
 use super::AnalysisError;
 use super::certificate::CertificateTerm;
-use super::classify::{Dependent, Kind, Mismatch, MismatchRule, Source};
+use super::classify::{Dependent, Kind, MismatchRule, Source};
 use super::generated::{Explainer, times};
 use super::pass_result::PassResult;
 use crate::factor::backend::Backend;
 use crate::input::numbering::LocalSystem;
 use crate::input::scale::ldexp;
-use crate::presolve::rows::{MORE_THAN_ROUNDING, WorkingRow};
+use crate::presolve::rows::MORE_THAN_ROUNDING;
 
 /// Kept equations to give up, so that dropped equations that may not hold are kept instead. Equations of `wanted` are never given up.
 pub(crate) fn to_give_up(pass: &PassResult, rule: &MismatchRule, wanted: &[usize]) -> BTreeSet<usize> {
@@ -33,12 +33,12 @@ pub(crate) fn to_give_up(pass: &PassResult, rule: &MismatchRule, wanted: &[usize
     for d in dependent.iter().filter(|d| d.kind == Kind::Redundant) {
         let (left, size) = left_of(system, d.row, &u);
         // An equation whose terms are only rounding is not examined.
-        let has_parts = side(rule, d.row).size > 0.0 || size > MORE_THAN_ROUNDING * d.rest.error;
+        let has_parts = rule.side(d.row).size > 0.0 || size > MORE_THAN_ROUNDING * d.rest.error;
         // `left` is the residual of one solution of the kept equations, and may be small by chance. Another solution may leave an error as
         // large as the rounding of the largest term of the certificate, so the larger of the two counts.
         let most_left = left.max(f64::EPSILON * d.rest.size);
         if has_parts && most_left > rule.tolerance * size && left <= MORE_THAN_ROUNDING * d.rest.error {
-            let part = |term: &CertificateTerm| (term.coefficient * side(rule, term.row).size).abs();
+            let part = |term: &CertificateTerm| (term.coefficient * rule.side(term.row).size).abs();
             let scaled = |term: &CertificateTerm| ldexp(term.coefficient.abs(), -rule.scaling.row[term.row]);
             let terms = d.source.explain(history);
             let most = terms.iter().map(scaled).fold(0.0, f64::max);
@@ -70,8 +70,8 @@ pub(crate) fn not_redundant(
         let explainer = Explainer { system, basis, blocks, history, scaling: rule.scaling, backend, time: &time };
         let free = system.row(row).filter(|&(j, _)| system.free()[j]).map(|(j, v)| (j as u32, v));
         let because = explainer.because(free)?;
-        let mut rest = side(rule, row);
-        because.iter().for_each(|term| rest.subtract(term.coefficient, side(rule, term.row)));
+        let mut rest = rule.side(row);
+        because.iter().for_each(|term| rest.subtract(term.coefficient, rule.side(term.row)));
         let found = Dependent::new(row, rest, 0.0, Source::Given(because), rule);
         if found.kind != Kind::Redundant {
             others.push(row);
@@ -88,14 +88,4 @@ fn left_of(system: LocalSystem, row: usize, u: &[f64]) -> (f64, f64) {
     let parts = system.row(row).map(|(j, v)| v * u[j]);
     let (sum, size) = parts.fold((b, b.abs()), |(sum, size), part| (sum - part, size.max(part.abs())));
     (sum.abs(), size)
-}
-
-/// `b - C_p u_p` of an equation: its right-hand side minus the terms of prescribed DOFs.
-pub(crate) fn side(rule: &MismatchRule, row: usize) -> Mismatch {
-    let MismatchRule { system, .. } = *rule;
-    let mut side = WorkingRow::new(system.rhs()[row]);
-    for (j, v) in system.row(row).filter(|&(j, _)| !system.free()[j]) {
-        side.prescribe(v * rule.prescribed_value(j));
-    }
-    Mismatch::of_row(&side)
 }

@@ -17,6 +17,7 @@ use super::core::{Core, cores};
 use crate::common::random::signed;
 use crate::factor::block::Block;
 use crate::factor::block::triangle::Triangle;
+use crate::input::components::Labels;
 use crate::input::noise::{TYPED, last_digit, typed_precision};
 use crate::input::numbering::LocalSystem;
 use crate::input::scale::{Scaling, ldexp};
@@ -50,6 +51,16 @@ pub(crate) struct CoreDistance {
     pub distance: f64,
     /// True if changes in the last digit with which coefficients were typed can make the core dependent.
     pub is_typed: bool,
+}
+
+/// For each component, the least distance of its cores from dependence; 1 without cores. Each core is given by one of its equations.
+pub(crate) fn least_distances(labels: &Labels, of_cores: &[(u32, f64)]) -> Vec<f64> {
+    let mut least = vec![1.0_f64; labels.count];
+    for &(row, distance) in of_cores {
+        let of_component = &mut least[labels.of_row[row as usize] as usize];
+        *of_component = of_component.min(distance);
+    }
+    least
 }
 
 impl KeptRows<'_> {

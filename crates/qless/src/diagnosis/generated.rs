@@ -9,6 +9,7 @@ use crate::Csr;
 use crate::diagnosis::certificate::{CertificateTerm, History};
 use crate::diagnosis::distance::KeptRows;
 use crate::diagnosis::nullspace_probe::{InverseEstimate, ProbeSample, RandomKeys, probe};
+use crate::diagnosis::refined::SolveKept;
 use crate::factor::backend::{Backend, BackendError};
 use crate::factor::block::Block;
 use crate::factor::block::dependent::NO_PIVOT;

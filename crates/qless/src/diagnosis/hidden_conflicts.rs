@@ -13,11 +13,10 @@
 
 use super::certificate::{CertificateTerm, History};
 use super::classify::{Dependent, Kind, MismatchRule};
-use super::confidence::{ACCURACY, CLEAR_MISMATCH};
-use super::consistent::side;
+use super::confidence::ACCURACY;
+use super::distance::least_distances;
 use super::nullspace_probe::RandomKeys;
-use super::pass_result::PassResult;
-use super::refined::product;
+use super::refined::{SolveKept, product};
 use crate::common::random::signed;
 use crate::factor::backend::many::Slab;
 use crate::input::components::Labels;
@@ -34,56 +33,71 @@ const W: usize = V + 1;
 /// Seeds of the random weights w, one for each solution v of `C v = w b`.
 const SEEDS: [u64; V] = [0x9e37_79b9, 0x85eb_ca6b, 0xc2b2_ae35];
 
-/// Classifies redundant equations again if their mismatch may exceed the tolerance of their own right-hand side.
-pub(super) fn find(pass: &mut PassResult, rule: &MismatchRule) {
+/// Classifies redundant equations again if their mismatch may exceed the tolerance of their own right-hand side. `distances` are those of
+/// cores of kept equations from dependence, each with one of its equations.
+pub(crate) fn find(
+    dependent: &mut [Dependent],
+    keys: &mut RandomKeys,
+    kept: &impl SolveKept,
+    distances: &[(u32, f64)],
+    rule: &MismatchRule,
+) {
     let is_unclear = |d: &Dependent, size: f64| {
         let most = d.mismatch.abs() + MORE_THAN_ROUNDING * d.rest.error;
         d.kind == Kind::Redundant && !d.is_suspect && most > rule.tolerance * size
     };
-    let is_own_too_small = |&k: &usize| is_unclear(&pass.dependent[k], side(rule, pass.dependent[k].row).size);
-    let mut unclear: Vec<usize> = (0..pass.dependent.len()).filter(is_own_too_small).collect();
+    let is_own_too_small = |&k: &usize| is_unclear(&dependent[k], rule.side(dependent[k].row).size);
+    let mut unclear: Vec<usize> = (0..dependent.len()).filter(is_own_too_small).collect();
     if unclear.is_empty() {
         return;
     }
-    if !pass.keys.are_within_components() {
-        pass.keys = RandomKeys::within_components(&Labels::of(rule.system), rule.system);
+    let labels = Labels::of(rule.system);
+    if !keys.are_within_components() {
+        *keys = RandomKeys::within_components(&labels, rule.system);
     }
-    let v = pass.kept(rule.system, rule.scaling).correction(|i| weights(&pass.keys, i, side(rule, i).size));
-    unclear.retain(|&k| is_unclear(&pass.dependent[k], size_above_rounding(rule.system, pass.dependent[k].row, &v)));
+    let v = kept.correction(|i| weights(keys, i, rule.side(i).size));
+    unclear.retain(|&k| is_unclear(&dependent[k], size_above_rounding(rule.system, dependent[k].row, &v)));
     if unclear.is_empty() {
         return;
     }
-    let rows: Vec<usize> = unclear.iter().map(|&k| pass.dependent[k].row).collect();
-    for (k, rest) in unclear.into_iter().zip(mismatches(pass, rule, &rows)) {
-        let d = &mut pass.dependent[k];
+    let rows: Vec<usize> = unclear.iter().map(|&k| dependent[k].row).collect();
+    let least = least_distances(&labels, distances);
+    for (k, rest) in unclear.into_iter().zip(mismatches(kept, keys, rule, &rows)) {
+        let d = &mut dependent[k];
         let found = Dependent::new(d.row, rest, d.dropped, d.source.clone(), rule);
         // If the equation has no right-hand side of its own, terms within the error may be rounding.
-        let has_side = side(rule, d.row).size > 0.0 || rest.size > MORE_THAN_ROUNDING * rest.error;
+        let has_side = rule.side(d.row).size > 0.0 || rest.size > MORE_THAN_ROUNDING * rest.error;
         if rest.value.is_finite() && (found.kind == Kind::Conflicting || found.is_suspect) {
             *d = found;
         } else if has_side && found.is_excused(rule.tolerance) {
-            reclassify(d, &pass.history, rule);
+            reclassify(d, least[labels.of_row[d.row] as usize], kept.parts().2, rule);
         }
     }
 }
 
-/// Classifies an equation again, without the terms of its certificate that may be rounding. It conflicts if its mismatch is larger than any
-/// error of a certificate. If errors of the certificate's coefficients may explain the mismatch, it stays redundant but is suspect.
-fn reclassify(d: &mut Dependent, history: &History, rule: &MismatchRule) {
+/// Classifies an equation again, without the terms of its certificate that may be rounding. A mismatch that errors of the other terms may
+/// explain is none. The equation conflicts if its mismatch is larger than any error of the certificate. Otherwise it stays redundant, but is
+/// suspect: a term that may be rounding explains the mismatch.
+fn reclassify(d: &mut Dependent, distance: f64, history: &History, rule: &MismatchRule) {
     let terms = d.source.explain(history);
     let scaled = |term: &CertificateTerm| ldexp(term.coefficient.abs(), -rule.scaling.row[term.row]);
-    let least = ACCURACY * terms.iter().map(scaled).fold(0.0, f64::max);
-    let (mut rest, mut uncertain) = (side(rule, d.row), 0.0);
+    let least = ACCURACY / distance * terms.iter().map(scaled).fold(0.0, f64::max);
+    let (mut rest, mut of_others, mut of_all) = (rule.side(d.row), 0.0, 0.0);
     for term in &terms {
-        let other = side(rule, term.row);
-        uncertain += other.size * ldexp(least, rule.scaling.row[term.row]);
+        let other = rule.side(term.row);
+        let error = other.size * ldexp(least, rule.scaling.row[term.row]);
+        of_all += error;
         if scaled(term) > least {
             rest.subtract(term.coefficient, other);
+            of_others += error;
         }
     }
     let found = Dependent::new(d.row, rest, d.dropped, d.source.clone(), rule);
-    if (found.kind == Kind::Conflicting || found.is_suspect) && found.relative_mismatch > CLEAR_MISMATCH {
-        *d = if uncertain < rest.value.abs() { found } else { Dependent { is_suspect: true, ..d.clone() } };
+    let differs = found.kind == Kind::Conflicting || found.is_suspect;
+    if differs && rest.value.abs() > of_all {
+        *d = found;
+    } else if differs && rest.value.abs() > of_others {
+        d.is_suspect = true;
     }
 }
 
@@ -104,14 +118,13 @@ fn size_above_rounding(system: LocalSystem, k: usize, v: &Slab<V>) -> f64 {
 }
 
 /// The mismatches of dependent equations.
-fn mismatches(pass: &PassResult, rule: &MismatchRule, dependent: &[usize]) -> Vec<Mismatch> {
+fn mismatches(kept: &impl SolveKept, keys: &RandomKeys, rule: &MismatchRule, dependent: &[usize]) -> Vec<Mismatch> {
     let system = rule.system;
-    let kept = pass.kept(system, rule.scaling);
     let weighted = |i: usize, first: f64, number: f64| {
-        let [a, b, c] = weights(&pass.keys, i, number);
+        let [a, b, c] = weights(keys, i, number);
         [first, a, b, c]
     };
-    let sides = |i: usize| weighted(i, system.rhs()[i], side(rule, i).size);
+    let sides = |i: usize| weighted(i, system.rhs()[i], rule.side(i).size);
     let mut start = vec![[0.0; W]; system.dofs()];
     system.prescribed().iter().for_each(|&(j, value)| start[j][0] = value);
     let solutions = kept.solve(start, sides);
@@ -124,7 +137,7 @@ fn mismatches(pass: &PassResult, rule: &MismatchRule, dependent: &[usize]) -> Ve
     let of = |&k: &usize| {
         let all = solutions.left(system, k, sides(k));
         let (value, terms) = (all[0].0, all.iter().fold(0.0, |most: f64, (_, terms)| most.max(*terms)));
-        let size = largest(solutions.product(system, k), side(rule, k).size);
+        let size = largest(solutions.product(system, k), rule.side(k).size);
         // If the last correction still changed the mismatch, the mismatch has not converged, so the change counts as its error.
         let last = product(system, k, &solutions.last)[0].abs();
         Mismatch { value, size, error: largest(product(system, k, &errors), last.max(f64::EPSILON * terms)) }

@@ -10,14 +10,14 @@ mod core;
 mod distance;
 pub mod exact;
 pub(crate) mod generated;
-mod hidden_conflicts;
+pub(crate) mod hidden_conflicts;
 mod near_dependence;
 pub(crate) mod nullspace_probe;
 mod pass_result;
 mod preferred_equations;
-mod proof;
+pub(crate) mod proof;
 mod readings;
-mod refined;
+pub(crate) mod refined;
 
 use std::sync::OnceLock;
 use std::time::Duration;
@@ -27,7 +27,7 @@ use crate::factor::backend::BackendError;
 use crate::factor::block::Block;
 use crate::input::components::Labels;
 use crate::input::incidence::Incidence;
-use crate::input::numbering::Numbering;
+use crate::input::numbering::{LocalSystem, Numbering};
 use crate::input::scale::Scaling;
 use crate::presolve::basis::Basis;
 use crate::{ConstraintSystem, OptionError, Options};
@@ -140,7 +140,7 @@ pub struct Analysis {
     /// The components, found when an explanation or a repair needs them.
     labels: OnceLock<Labels>,
     /// One equation of each core of kept equations, and the distance of the core from dependence.
-    distances: Vec<(u32, f64)>,
+    pub(crate) distances: Vec<(u32, f64)>,
     /// For each component, the least of the distances of its cores.
     distance_of_label: OnceLock<Vec<f64>>,
     /// The basis, extended by the blocks: each block is solved for its slaves, and these relations become rows. The first call that needs
@@ -242,9 +242,14 @@ impl Analysis {
         self.dependent.binary_search_by_key(&row, |d| d.row).ok().map(|place| &self.dependent[place])
     }
 
+    /// The system in local numbers.
+    pub(crate) fn local(&self) -> LocalSystem<'_> {
+        self.numbering.view(&self.system, self.system.rhs())
+    }
+
     /// The component of each equation.
     pub(crate) fn labels(&self) -> &Labels {
-        self.labels.get_or_init(|| Labels::of(self.numbering.view(&self.system, self.system.rhs())))
+        self.labels.get_or_init(|| Labels::of(self.local()))
     }
 
     /// The distance of the kept equations in the component of a row from dependence.
@@ -252,13 +257,8 @@ impl Analysis {
         if self.distances.is_empty() {
             return 1.0;
         }
-        let label = |row: usize| self.labels().of_row[row] as usize;
-        let least = self.distance_of_label.get_or_init(|| {
-            let mut least = vec![1.0_f64; self.labels().count];
-            self.distances.iter().for_each(|&(row, d)| least[label(row as usize)] = least[label(row as usize)].min(d));
-            least
-        });
-        least[label(row)]
+        let least = self.distance_of_label.get_or_init(|| distance::least_distances(self.labels(), &self.distances));
+        least[self.labels().of_row[row] as usize]
     }
 
     pub(crate) fn independent(&self) -> Vec<bool> {

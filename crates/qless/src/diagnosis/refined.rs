@@ -9,11 +9,13 @@
 //! A correction divides the error by at least `d` / 2e-16, where d is the distance of the kept equations from dependence. It costs
 //! O(nnz of the factors). Blocks must be in the units in which they were factored.
 
+use super::certificate::History;
 use super::distance::KeptRows;
 use crate::common::two_sum;
 use crate::factor::backend::many::Slab;
 use crate::input::numbering::LocalSystem;
 use crate::input::scale::ldexp;
+use crate::presolve::basis::Basis;
 
 /// The largest number of corrections. Right-hand sides that span 32 digits need five if d > 1e-9; the sixth pass finds that nothing is
 /// left.
@@ -30,18 +32,27 @@ pub(crate) struct Solutions<const W: usize> {
     pub last: Slab<W>,
 }
 
-impl KeptRows<'_> {
+/// Factors that solve the kept equations.
+pub(crate) trait SolveKept {
+    /// The equations, the basis of the kept ones, and how the elimination found it.
+    fn parts(&self) -> (LocalSystem<'_>, &Basis, &History);
+
+    /// The solution `X` of `C X = left` over the kept equations, in doubles. Masters and prescribed DOFs are zero. The slaves of peeled
+    /// equations may be left at zero.
+    fn correction<const W: usize>(&self, left: impl Fn(usize) -> [f64; W]) -> Slab<W>;
+
     /// Solves for the given right-hand sides of each equation, with all masters zero and prescribed DOFs as in `start`. Peeled equations
-    /// are left out: they are in no certificate.
-    pub fn solve<const W: usize>(&self, start: Slab<W>, sides: impl Fn(usize) -> [f64; W]) -> Solutions<W> {
+    /// need not hold: they are in no certificate.
+    fn solve<const W: usize>(&self, start: Slab<W>, sides: impl Fn(usize) -> [f64; W]) -> Solutions<W> {
+        let (system, basis, history) = self.parts();
         let mut solutions =
             Solutions { low: vec![[0.0; W]; start.len()], last: vec![[0.0; W]; start.len()], high: start };
         for _ in 0..CORRECTIONS {
             // A remainder that is only rounding counts as zero, so that corrections for one component do not change the last bits of
             // another.
             let rest = |(left, size): (f64, f64)| if left.abs() <= DONE * size { 0.0 } else { left };
-            let left = |i: usize| solutions.left(self.system, i, sides(i)).map(rest);
-            if self.rows().all(|i| left(i) == [0.0; W]) {
+            let left = |i: usize| solutions.left(system, i, sides(i)).map(rest);
+            if not_peeled(basis, history).all(|i| left(i) == [0.0; W]) {
                 solutions.last.fill([0.0; W]);
                 break;
             }
@@ -49,13 +60,15 @@ impl KeptRows<'_> {
         }
         solutions
     }
+}
 
-    /// The kept equations that were not peeled.
-    fn rows(&self) -> impl Iterator<Item = usize> {
-        let of_blocks = self.basis.blocks.iter().flat_map(|block| &block.rows);
-        self.history.steps.iter().chain(of_blocks).map(|&i| self.history.rows[i as usize] as usize)
-    }
+/// The kept equations that were not peeled.
+fn not_peeled<'a>(basis: &'a Basis, history: &'a History) -> impl Iterator<Item = usize> + 'a {
+    let of_blocks = basis.blocks.iter().flat_map(|block| &block.rows);
+    history.steps.iter().chain(of_blocks).map(|&i| history.rows[i as usize] as usize)
+}
 
+impl KeptRows<'_> {
     /// Solves the peeled equations too, and returns the solution.
     pub fn complete(&self, mut solution: Solutions<1>, sides: impl Fn(usize) -> [f64; 1]) -> Vec<f64> {
         for (t, &row) in self.basis.peeled.iter().enumerate().rev() {
@@ -69,9 +82,14 @@ impl KeptRows<'_> {
         }
         solution.high.into_iter().map(|[value]| value).collect()
     }
+}
 
-    /// The solution `X` of `C X = left` over the kept equations that were not peeled, in doubles.
-    pub fn correction<const W: usize>(&self, left: impl Fn(usize) -> [f64; W]) -> Slab<W> {
+impl SolveKept for KeptRows<'_> {
+    fn parts(&self) -> (LocalSystem<'_>, &Basis, &History) {
+        (self.system, self.basis, self.history)
+    }
+
+    fn correction<const W: usize>(&self, left: impl Fn(usize) -> [f64; W]) -> Slab<W> {
         let Self { basis, history, blocks, triangles, .. } = *self;
         let mut steps: Slab<W> = Vec::with_capacity(history.steps.len());
         let after = |row: u32, steps: &Slab<W>| {

@@ -26,7 +26,8 @@ impl MultiplierFactors {
     fn new(known: &EliminationSource, slaves: &[usize]) -> Result<Self, BackendError> {
         let system = known.analysis.system();
         // An update changes b and u_p only, so the independent equations stay the same.
-        let equations: Vec<usize> = (0..known.kinds.len()).filter(|&i| known.kinds[i] == Kind::Independent).collect();
+        let equations: Vec<usize> =
+            (0..known.rhs.len()).filter(|&i| known.analysis.kinds()[i] == Kind::Independent).collect();
         let place = |(j, v): (usize, f64)| slaves.binary_search(&j).ok().map(|k| (k, v));
         // A system needs at least one DOF, even if there are no slaves.
         let mut square = SystemBuilder::new(slaves.len().max(1));
@@ -72,7 +73,7 @@ impl Elimination {
         numbers("the residual", residual, self.dofs())?;
         let of_slaves: Vec<f64> = self.slaves().iter().map(|&j| residual[j]).collect();
         let known = self.equations.as_ref().ok_or(EliminationError::NoEquations)?;
-        let mut all = vec![0.0; known.kinds.len()];
+        let mut all = vec![0.0; known.rhs.len()];
         let factored = if let Some(factored) = known.multipliers.get() {
             factored
         } else {
@@ -99,7 +100,7 @@ impl Elimination {
     pub fn reactions(&self, residual: &[f64], multipliers: &[f64]) -> Result<Vec<f64>, EliminationError> {
         let known = self.equations.as_ref().ok_or(EliminationError::NoEquations)?;
         numbers("the residual", residual, self.dofs())?;
-        numbers("the list of multipliers", multipliers, known.kinds.len())?;
+        numbers("the list of multipliers", multipliers, known.rhs.len())?;
         let mut forces = vec![0.0; self.dofs()];
         let matrix = known.analysis.system().matrix();
         for (i, lambda) in multipliers.iter().enumerate().filter(|(_, lambda)| **lambda != 0.0) {

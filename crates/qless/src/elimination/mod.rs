@@ -22,10 +22,10 @@ mod view;
 
 use std::sync::{Arc, OnceLock};
 
-use crate::change::Refresher;
+use crate::change::{Refreshed, Refresher};
 use crate::common::argument::numbers;
 use crate::common::identity::Identity;
-use crate::{Analysis, ArgumentError, ConstraintSystem, Form, Kind, Options, Reduction, analyse};
+use crate::{Analysis, ArgumentError, Confidence, ConstraintSystem, Form, Kind, Options, Reduction, analyse};
 use error::refuse_conflicts;
 use forces::MultiplierFactors;
 use roles::{Role, Roles};
@@ -78,7 +78,8 @@ struct EliminationSource {
     analysis: Arc<Analysis>,
     /// Current right-hand sides.
     rhs: Vec<f64>,
-    kinds: Vec<Kind>,
+    /// The verdicts on the current b and u_p; None until the first update.
+    refreshed: Option<Refreshed>,
     /// The refresher, which is created on first use.
     refresher: OnceLock<Refresher>,
     multipliers: OnceLock<MultiplierFactors>,
@@ -112,8 +113,8 @@ impl Elimination {
         let values = analysis.system().prescribed().iter().map(|&(_, value)| value).collect();
         let equations = EliminationSource {
             rhs: analysis.system().rhs().to_vec(),
-            kinds: analysis.kinds().to_vec(),
             analysis,
+            refreshed: None,
             refresher: OnceLock::new(),
             multipliers: OnceLock::new(),
         };
@@ -160,7 +161,24 @@ impl Elimination {
 
     /// Kind of each equation for the current b and u_p; empty if the elimination was made from a reduction.
     pub fn kinds(&self) -> &[Kind] {
-        self.equations.as_ref().map_or(&[], |equations| &equations.kinds)
+        self.verdicts(|of| &of.kinds[..], |analysis| analysis.kinds()).unwrap_or_default()
+    }
+
+    /// The certainty of the verdicts on the current b and u_p; None if the elimination was made from a reduction.
+    pub fn confidence(&self) -> Option<Confidence> {
+        self.verdicts(|of| of.confidence, |analysis| analysis.confidence())
+    }
+
+    /// Free DOFs that the equations fix, and their values for the current b and u_p, ascending; empty if the elimination was made from a
+    /// reduction.
+    pub fn generated(&self) -> &[(usize, f64)] {
+        self.verdicts(|of| &of.generated[..], |analysis| analysis.generated()).unwrap_or_default()
+    }
+
+    /// A part of the verdicts: of the last update, or of the analysis if there was none.
+    fn verdicts<'a, T>(&'a self, updated: impl Fn(&'a Refreshed) -> T, first: impl Fn(&'a Analysis) -> T) -> Option<T> {
+        let EliminationSource { analysis, refreshed, .. } = self.equations.as_ref()?;
+        Some(refreshed.as_ref().map_or_else(|| first(analysis), updated))
     }
 
     /// T, G and g for the current b and u_p.

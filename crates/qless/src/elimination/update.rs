@@ -33,7 +33,7 @@ impl Elimination {
     /// [`EliminationError::Conflicting`] if equations conflict now; then nothing changes.
     pub fn update(&mut self, rhs: &[f64], prescribed: &[f64]) -> Result<(), EliminationError> {
         let Self { reduction, equations, prescribed_values, .. } = self;
-        let EliminationSource { analysis, rhs: old, kinds, refresher, .. } =
+        let EliminationSource { analysis, rhs: old, refreshed: verdicts, refresher, .. } =
             equations.as_mut().ok_or(EliminationError::NoEquations)?;
         let g = reduction.g.clone();
         let refresher = if let Some(refresher) = refresher.get() {
@@ -48,7 +48,7 @@ impl Elimination {
             reduction.g = g;
             return Err(error);
         }
-        *kinds = refreshed.kinds;
+        *verdicts = Some(refreshed);
         old.copy_from_slice(rhs);
         self.prescribe(prescribed);
         Ok(())

@@ -35,7 +35,6 @@ use crate::common::argument::{ArgumentError, within};
 use crate::diagnosis::classify::Dependent;
 use crate::factor::backend::BackendError;
 use crate::input::incidence::Incidence;
-use crate::input::numbering::LocalSystem;
 use crate::input::scale::ldexp;
 use crate::{Analysis, CertificateTerm, Kind};
 use candidates::Candidates;
@@ -267,11 +266,6 @@ impl Analysis {
     /// number of equations.
     fn rounding(&self, terms: &[CertificateTerm]) -> f64 {
         self.options.tolerance.value() / terms.first().map_or(1.0, |term| self.distance_near(term.row))
-    }
-
-    /// The system with local DOFs.
-    fn local(&self) -> LocalSystem<'_> {
-        self.numbering.view(&self.system, self.system.rhs())
     }
 
     /// Returns true if the right-hand side of an explanation agrees with the verdict of the certificate. Differences come from equations

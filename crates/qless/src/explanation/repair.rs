@@ -222,7 +222,7 @@ impl Analysis {
 
     /// A random sum of dependent equations over kept ones and prescribed values, and its right-hand side.
     fn random_sum(&self, dependent: &[&Dependent], seed: u64) -> Result<(Explanation, f64), BackendError> {
-        let system = self.numbering.view(&self.system, self.system.rhs());
+        let system = self.local();
         let mut random = SplitMix64::new(seed);
         let mut sum: BTreeMap<u32, f64> = BTreeMap::new();
         let mut b = 0.0;

@@ -62,6 +62,15 @@ pub enum Noise {
 }
 
 impl Noise {
+    /// Returns true if the option states errors of right-hand sides.
+    pub(crate) fn has_errors_of_sides(&self) -> bool {
+        match self {
+            Self::Auto | Self::None => false,
+            Self::Relative(part) => *part > 0.0,
+            Self::Floors { rhs, .. } => rhs.iter().any(|&floor| floor > 0.0),
+        }
+    }
+
     /// Checks the range of every number and the length of every list.
     pub(crate) fn validate(&self, system: &ConstraintSystem) -> Result<(), OptionError> {
         let is_size = |x: f64| x >= 0.0 && x.is_finite();
@@ -285,6 +294,7 @@ pub(crate) fn relative_floors(system: LocalSystem, noise: &Noise) -> Option<Vec<
 pub(crate) fn of_right_hand_sides(system: LocalSystem, of_row: &[i32], noise: &Noise) -> Option<Vec<f64>> {
     match noise {
         Noise::Auto | Noise::None => None,
+        stated if !stated.has_errors_of_sides() => None,
         Noise::Relative(part) => Some(vec![part * largest_side(system, of_row); system.equations()]),
         Noise::Floors { rhs, .. } => Some(rhs.iter().zip(of_row).map(|(floor, &power)| ldexp(*floor, power)).collect()),
     }

@@ -84,7 +84,7 @@ impl Analysis {
     /// # Errors
     /// [`BackendError`] if a part is too large for the memory allowed.
     pub fn near_dependence(&self) -> Result<Option<NearDependence>, BackendError> {
-        let local = self.numbering.view(&self.system, self.system.rhs());
+        let local = self.local();
         let rows = (0..self.kinds.len() as u32).filter(|&i| self.kinds[i as usize] == Kind::Independent).collect();
         let rows = without_own(local, rows, &self.scaling);
         let free = |i: u32| local.parts(i as usize).0.iter().copied().filter(|&j| local.free()[j as usize]);

@@ -4,7 +4,6 @@ use std::collections::{BTreeSet, HashMap};
 
 use super::number_size::NumberSize;
 use super::rational::Rational;
-use crate::diagnosis::Analysis;
 use crate::diagnosis::certificate::CertificateTerm;
 use crate::diagnosis::exact::eliminate::eliminate;
 use crate::diagnosis::exact::field::Field;
@@ -46,10 +45,9 @@ pub(super) struct Explanation<'a> {
 }
 
 impl<'a> Explanation<'a> {
-    pub fn new(analysis: &'a Analysis) -> Self {
-        let system = analysis.numbering.view(&analysis.system, analysis.system.rhs());
+    pub fn new(system: LocalSystem<'a>, reading: Reading) -> Self {
         let prescribed = system.prescribed().iter().copied().collect();
-        Self { system, reading: analysis.options.numbers, prescribed }
+        Self { system, reading, prescribed }
     }
 
     fn read(&self, value: f64) -> Number {

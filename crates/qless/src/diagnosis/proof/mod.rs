@@ -37,6 +37,8 @@ use super::exact::eliminate::eliminate;
 use super::exact::field::Field;
 use super::exact::prime;
 use super::{Analysis, certificate::CertificateTerm};
+use crate::Options;
+use crate::input::numbering::LocalSystem;
 use crate::input::reading::Number;
 use exactly::{Explanation, Found};
 use rounded_sides::{has_computed_sides, is_computed, sides_agree};
@@ -82,27 +84,34 @@ impl Analysis {
         self.proof = Some(proof);
     }
 
-    /// Compares right-hand sides in exact arithmetic, for equations whose certificate is known without a solve and whose mismatch is above
-    /// rounding or is accepted only because its error bound is large. Elimination loses digits of right-hand sides if it substitutes large
-    /// values or nearly parallel equations. A contradicted verdict is in doubt.
+    /// Compares right-hand sides in exact arithmetic ([`are_sides_contradicted`]). A contradicted verdict is in doubt.
     pub(super) fn check_sides(&mut self) {
-        if self.confidence.ambiguous || self.options.tolerance.is_absolute() {
-            return;
-        }
-        let explanation = Explanation::new(self);
-        let tolerance = self.options.tolerance.value();
-        let is_open = |d: &&Dependent| {
-            let is_beside_rounding = d.kind == Kind::Conflicting || d.relative_mismatch > 0.0;
-            (is_beside_rounding || d.is_excused(tolerance)) && d.source.is_known()
-        };
-        if self.dependent.par_iter().filter(is_open).any(|d| is_contradicted(self, &explanation, d)) {
+        let local = self.local();
+        if !self.confidence.ambiguous && are_sides_contradicted(self, &self.dependent, local) {
             self.confidence = self.confidence.or(Doubt::Mismatch);
         }
     }
 }
 
+/// Returns true if exact arithmetic contradicts the verdict on one of the dependent equations of an analysis; `local` has the right-hand
+/// sides. Only equations are verified whose certificate is known without a solve, and whose mismatch is above rounding or is accepted only
+/// because its error bound is large: elimination loses digits of right-hand sides if it substitutes large values or nearly parallel
+/// equations. Right-hand sides with stated errors need not agree exactly, so they contradict nothing.
+pub(crate) fn are_sides_contradicted(analysis: &Analysis, dependent: &[Dependent], local: LocalSystem) -> bool {
+    let Options { tolerance, noise, numbers, .. } = &analysis.options;
+    if tolerance.is_absolute() || noise.has_errors_of_sides() {
+        return false;
+    }
+    let explanation = Explanation::new(local, *numbers);
+    let is_open = |d: &&Dependent| {
+        let is_beside_rounding = d.kind == Kind::Conflicting || d.relative_mismatch > 0.0;
+        (is_beside_rounding || d.is_excused(tolerance.value())) && d.source.is_known()
+    };
+    dependent.par_iter().filter(is_open).any(|d| is_contradicted(analysis, &explanation, d, local))
+}
+
 /// Returns true if the right-hand sides as typed contradict the verdict.
-fn is_contradicted(analysis: &Analysis, explanation: &Explanation, dependent: &Dependent) -> bool {
+fn is_contradicted(analysis: &Analysis, explanation: &Explanation, dependent: &Dependent, local: LocalSystem) -> bool {
     let terms = dependent.source.explain(&analysis.history);
     let (row, is_redundant) = (dependent.row, dependent.kind == Kind::Redundant);
     if terms.iter().any(|term| analysis.kinds[term.row] != Kind::Independent) {
@@ -110,7 +119,7 @@ fn is_contradicted(analysis: &Analysis, explanation: &Explanation, dependent: &D
     }
     let agrees = exact_sides(explanation, row, &terms).is_none_or(|agree| agree == is_redundant);
     // Computed numbers cannot be expected to agree better than to rounding.
-    let is_rounded = || has_computed_sides(analysis, row, &terms) || is_computed(analysis, row, &terms);
+    let is_rounded = || has_computed_sides(local, row, &terms) || is_computed(local, row, &terms);
     !(agrees || is_redundant && is_rounded())
 }
 
@@ -127,7 +136,7 @@ impl Proof {
     pub(super) fn of(analysis: &Analysis) -> Self {
         let mut proof = Self::default();
         proof.add_kept(analysis);
-        let explainer = Explanation::new(analysis);
+        let explainer = Explanation::new(analysis.local(), analysis.options.numbers);
         let found: Vec<_> = analysis.dependent.par_iter().map(|d| dropped(analysis, &explainer, d)).collect();
         for (found, dependent) in found.into_iter().zip(&analysis.dependent) {
             match found {
@@ -141,7 +150,7 @@ impl Proof {
     }
 
     fn add_kept(&mut self, analysis: &Analysis) {
-        let local = analysis.numbering.view(&analysis.system, analysis.system.rhs());
+        let local = analysis.local();
         let is_kept = |i: &usize| analysis.kinds[*i] == Kind::Independent;
         let kept: Vec<u32> = (0..analysis.kinds.len()).filter(is_kept).map(|i| i as u32).collect();
         let cores = cores(local, &kept);
@@ -191,10 +200,10 @@ fn dropped(analysis: &Analysis, explanation: &Explanation, dependent: &Dependent
     match exact_sides(explanation, row, &terms) {
         Some(agree) if agree == (dependent.kind == Kind::Redundant) => Some(true),
         // A computed right-hand side cannot be expected to agree better than to rounding.
-        Some(_) if dependent.kind == Kind::Redundant && has_computed_sides(analysis, row, &terms) => {
+        Some(_) if dependent.kind == Kind::Redundant && has_computed_sides(analysis.local(), row, &terms) => {
             is_enclosed(analysis, dependent, &terms).then_some(false)
         }
-        None if is_computed(analysis, row, &terms) => is_enclosed(analysis, dependent, &terms).then_some(false),
+        None if is_computed(analysis.local(), row, &terms) => is_enclosed(analysis, dependent, &terms).then_some(false),
         _ => None,
     }
 }
@@ -203,7 +212,7 @@ fn dropped(analysis: &Analysis, explanation: &Explanation, dependent: &Dependent
 fn is_enclosed(analysis: &Analysis, dependent: &Dependent, terms: &[CertificateTerm]) -> bool {
     let (row, is_redundant) = (dependent.row, dependent.kind == Kind::Redundant);
     let holds = |terms: &[CertificateTerm]| {
-        is_combination(analysis, row, terms) && sides_agree(analysis, row, terms) == Some(is_redundant)
+        is_combination(analysis, row, terms) && sides_agree(analysis.local(), row, terms) == Some(is_redundant)
     };
     holds(terms) || {
         let refined = analysis.refined(dependent, ROUNDING / 4.0).0;

@@ -1,20 +1,18 @@
 //! Compares the right-hand sides of a certificate to rounding: `b_k - sum_i c_i b_i - sum_p (row_kp - sum_i c_i row_ip) u_p`.
 
 use super::ROUNDING;
-use crate::diagnosis::Analysis;
 use crate::diagnosis::certificate::CertificateTerm;
 use crate::input::noise::{TYPED, digits};
+use crate::input::numbering::LocalSystem;
 
 /// Returns true if a coefficient of free DOFs in an explanation was computed: it has more digits than typed numbers have.
-pub(super) fn is_computed(analysis: &Analysis, row: usize, terms: &[CertificateTerm]) -> bool {
-    let local = analysis.numbering.view(&analysis.system, analysis.system.rhs());
+pub(super) fn is_computed(local: LocalSystem, row: usize, terms: &[CertificateTerm]) -> bool {
     let of_row = |i: usize| local.row(i).any(|(j, v)| local.free()[j] && digits(v) > *TYPED.end());
     std::iter::once(row).chain(terms.iter().map(|term| term.row)).any(of_row)
 }
 
 /// Returns true if a number in the right-hand sides of an explanation was computed.
-pub(super) fn has_computed_sides(analysis: &Analysis, row: usize, terms: &[CertificateTerm]) -> bool {
-    let local = analysis.numbering.view(&analysis.system, analysis.system.rhs());
+pub(super) fn has_computed_sides(local: LocalSystem, row: usize, terms: &[CertificateTerm]) -> bool {
     let computed = |v: f64| digits(v) > *TYPED.end();
     let of_row = |i: usize| computed(local.rhs()[i]) || local.row(i).any(|(j, v)| !local.free()[j] && computed(v));
     std::iter::once(row).chain(terms.iter().map(|term| term.row)).any(of_row)
@@ -22,8 +20,7 @@ pub(super) fn has_computed_sides(analysis: &Analysis, row: usize, terms: &[Certi
 }
 
 /// True if the right-hand sides agree to rounding, false if they differ by more than any rounding; None if neither is certain.
-pub(super) fn sides_agree(analysis: &Analysis, row: usize, terms: &[CertificateTerm]) -> Option<bool> {
-    let local = analysis.numbering.view(&analysis.system, analysis.system.rhs());
+pub(super) fn sides_agree(local: LocalSystem, row: usize, terms: &[CertificateTerm]) -> Option<bool> {
     let mut value = vec![];
     let prescribed: std::collections::HashMap<usize, f64> = local.prescribed().iter().copied().collect();
     let own = CertificateTerm { row, coefficient: -1.0 };

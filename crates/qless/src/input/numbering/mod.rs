@@ -94,7 +94,7 @@ impl Numbering {
 
     /// The system in local numbers, with `rhs` as its right-hand sides.
     pub fn view<'a>(&'a self, system: &'a ConstraintSystem, rhs: &'a [f64]) -> LocalSystem<'a> {
-        LocalSystem { system, matrix: system.matrix(), numbering: self, rhs }
+        LocalSystem { system, matrix: system.matrix(), numbering: self, rhs, prescribed: &self.prescribed }
     }
 }
 
@@ -105,11 +105,13 @@ pub(crate) struct LocalSystem<'a> {
     matrix: &'a Csr,
     pub numbering: &'a Numbering,
     rhs: &'a [f64],
+    prescribed: &'a [(usize, f64)],
 }
 
 impl<'a> LocalSystem<'a> {
-    pub fn system(self) -> &'a ConstraintSystem {
-        self.system
+    /// The system with other values of the prescribed DOFs, in the order of [`LocalSystem::prescribed`].
+    pub fn with_prescribed(self, prescribed: &'a [(usize, f64)]) -> Self {
+        Self { prescribed, ..self }
     }
 
     pub fn equations(self) -> usize {
@@ -132,7 +134,7 @@ impl<'a> LocalSystem<'a> {
 
     /// Local prescribed DOFs and their values.
     pub fn prescribed(self) -> &'a [(usize, f64)] {
-        &self.numbering.prescribed
+        self.prescribed
     }
 
     /// Local prescribed DOFs and their places in the user's list.
