@@ -49,7 +49,8 @@ fn diagnose(block: &mut Block, means: FactorContext) -> Result<Found, BackendErr
             (*block, rows) = (plain, other);
         }
     }
-    motions.restore_units(&block.units, rows.nearness.sigma);
+    motions.set_resting(&block.matrix, &rows.kept, rows.nearness.sigma);
+    motions.restore_units(&block.units);
     if is_balanced && motions.resting() > 0 {
         let mut plain = block.clone();
         plain.restore_units();
@@ -57,7 +58,7 @@ fn diagnose(block: &mut Block, means: FactorContext) -> Result<Found, BackendErr
         // If rows are dependent to the last bit in the units of the rows, the triangle lacks them, and its motions violate them.
         if triangle.rows.len() == rows.kept.len() {
             let mut other = triangle.motions(&plain);
-            other.restore_units(&[], triangle.factor.smallest_singular_value().0);
+            other.set_resting(&plain.matrix, &rows.kept, triangle.factor.smallest_singular_value().0);
             if other.resting() < motions.resting() {
                 motions = other;
             }

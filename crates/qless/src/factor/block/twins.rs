@@ -130,7 +130,7 @@ fn translated(
         block.restore_units();
     }
     let mut vectors = rows.triangle.solutions(block);
-    vectors.restore_units(&block.units, rows.nearness.sigma);
+    vectors.restore_units(&block.units);
     vectors.moves.clone_from(&motions.moves);
     for (own, common) in vectors.moves.iter_mut().zip(&motions.moves) {
         columns.iter().zip(common).for_each(|(&j, &v)| own[j] = v);

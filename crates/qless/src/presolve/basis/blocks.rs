@@ -94,17 +94,48 @@ impl Vectors {
         self.moves[0].iter().filter(|&&v| v == 0.0).count()
     }
 
-    /// Sets entries below the threshold of motion to zero, and converts from balanced units to those of the rows.
-    pub fn restore_units(&mut self, units: &[i32], sigma: f64) {
+    /// Sets entries of the motions below the threshold to zero, except where the kept rows of `matrix` need them.
+    ///
+    /// The threshold bounds the error of each entry. If the other DOFs of a row miss it by more than their errors, and one DOF of the row
+    /// seems to rest, it does not: its motion is small in these units and follows from the row.
+    pub fn set_resting(&mut self, matrix: &Csr, kept: &[usize], sigma: f64) {
         let zero = (ZERO_UNITS * f64::EPSILON / sigma).clamp(ZERO[0], ZERO[1]);
-        for v in self.moves.iter_mut().flatten().filter(|v| v.abs() <= zero) {
-            *v = 0.0;
+        for moves in &mut self.moves {
+            moves.iter_mut().filter(|v| v.abs() <= zero).for_each(|v| *v = 0.0);
+            let mut has_changed = moves.contains(&0.0);
+            while has_changed {
+                has_changed = false;
+                for &i in kept {
+                    if let Some((j, value)) = needed(matrix.row(i), moves, zero) {
+                        moves[j] = value;
+                        has_changed = true;
+                    }
+                }
+            }
         }
+    }
+
+    /// Converts from balanced units to those of the rows.
+    pub fn restore_units(&mut self, units: &[i32]) {
         let [first, second] = &mut self.moves;
         for vector in [first, second, &mut self.sample, &mut self.particular] {
             vector.iter_mut().zip(units).filter(|(_, unit)| **unit != 0).for_each(|(v, &unit)| *v = ldexp(*v, unit));
         }
     }
+}
+
+/// The only DOF of a row that seems to rest, and its motion by this row, if the other DOFs miss the row by more than their errors.
+fn needed(row: impl Iterator<Item = (usize, f64)>, moves: &[f64], error: f64) -> Option<(usize, f64)> {
+    let (mut resting, mut sum, mut size) = (None, 0.0, 0.0);
+    for (j, v) in row.filter(|&(_, v)| v != 0.0) {
+        if moves[j] != 0.0 {
+            (sum, size) = (sum + v * moves[j], size + v.abs());
+        } else if resting.replace((j, v)).is_some() {
+            return None;
+        }
+    }
+    let (j, v) = resting.filter(|_: &(usize, f64)| sum.abs() > error * size)?;
+    Some((j, -sum / v)).filter(|&(_, value)| value != 0.0)
 }
 
 /// Distance of the kept rows from dependence, each row scaled to a largest coefficient of 1.
