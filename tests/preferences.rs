@@ -7,11 +7,12 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed, TestRunner};
 use qless::{BackendChoice, ConstraintSystem, Kind, Options, Preferences, SystemBuilder, analyse};
 use qless_scenes::families::Planted;
-use qless_scenes::oracle;
+use qless_scenes::{Rng, oracle};
 use support::{check_certificates, check_reduction, settings};
 
 on_each_backend!(
     slaves_are_chosen_as_preferred,
+    preferred_slaves_keep_the_bound_of_growth,
     equations_are_kept_as_preferred,
     a_kept_equation_wins_over_one_that_contradicts_it
 );
@@ -66,6 +67,30 @@ fn slaves_are_chosen_as_preferred(backend: BackendChoice) {
             check_reduction(system, &analysis, &reduction, 1e-11);
         }
     });
+}
+
+/// Equations with coefficients over seven decades, some of them twice.
+fn preferred_slaves_keep_the_bound_of_growth(backend: BackendChoice) {
+    let mut met = 0;
+    for seed in 0..200 {
+        let mut random = Rng::new(seed);
+        let n = 2 + random.below(5);
+        let mut builder = SystemBuilder::new(n);
+        for _ in 0..1 + random.below(n - 1) {
+            let row: Vec<(usize, f64)> = (0..n).map(|j| (j, 2_f64.powi(random.below(24) as i32 - 12))).collect();
+            (0..1 + random.below(2)).for_each(|_| _ = builder.equation(row.iter().copied(), 0.0));
+        }
+        let system = builder.build().expect("valid");
+        let slaves: Vec<usize> = (0..n).filter(|_| random.below(2) == 0).collect();
+        for options in settings(backend) {
+            let preferences = Preferences { slaves: slaves.clone(), ..Preferences::default() };
+            let analysis = analyse(&system, &Options { preferences, ..options.clone() }).expect("valid");
+            let reduction = analysis.reduction().expect("within the gate");
+            assert!(reduction.growth() <= options.growth * (1.0 + 1e-9), "{seed}: {system:?} {slaves:?}");
+            met += slaves.len() - reduction.unmet_slaves().len();
+        }
+    }
+    assert!(met > 200, "{met}");
 }
 
 /// The number of dependent equations among those to keep is the least possible: `|K| - rank C(K)`.

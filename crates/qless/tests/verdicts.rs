@@ -3,6 +3,7 @@
 use qless::change::Refresher;
 use qless::common::SplitMix64;
 use qless::diagnosis::OtherReading;
+use qless::exact::{self, Reading};
 use qless::{
     Analysis, BackendChoice, ConstraintSystem, Doubt, Kind, Noise, Options, SystemBuilder, Tolerance, analyse,
 };
@@ -282,6 +283,45 @@ fn what_moves_a_little_is_not_fixed() {
         let analysis = analyse(&system(4, equations, &[]), &Options::default()).expect("small");
         assert_eq!((analysis.rank(), analysis.generated()), (2, [].as_slice()), "1e-{power}");
     }
+}
+
+/// Equations with coefficients over 24 decades, each two or three times. DOF j is fixed if the rank falls by one without its column.
+#[test]
+fn only_fixed_dofs_count_as_fixed() {
+    let (mut sure, mut fixed_dofs) = (0, 0);
+    for seed in 0..400 {
+        let mut random = SplitMix64::new(seed);
+        let n = 3 + below(&mut random, 3);
+        let mut rows = Vec::new();
+        for _ in 0..2 + below(&mut random, n - 2) {
+            let has = |random: &mut SplitMix64| below(random, 5) > 0;
+            let dofs: Vec<usize> = (0..n).filter(|_| has(&mut random)).collect();
+            let mut value = || (1 + below(&mut random, 9)) as f64 * 2_f64.powi(below(&mut random, 81) as i32 - 40);
+            let row: Vec<(usize, f64)> = dofs.into_iter().map(|j| (j, value())).collect();
+            rows.extend(vec![row; 2 + below(&mut random, 2)]);
+        }
+        shuffle(&mut random, &mut rows);
+        let without = |gone: Option<usize>| {
+            let mut builder = SystemBuilder::new(n);
+            for row in &rows {
+                builder.equation(row.iter().copied().filter(|&(j, _)| Some(j) != gone), 0.0);
+            }
+            builder.build().expect("valid")
+        };
+        let rank = |system: &ConstraintSystem| exact::rank(system, Reading::Stored).expect("small").rank;
+        let system = without(None);
+        let all = rank(&system);
+        let fixed: Vec<usize> = (0..n).filter(|&j| rank(&without(Some(j))) < all).collect();
+        each(&system, |analysis, name| {
+            if !analysis.confidence().ambiguous {
+                let found: Vec<usize> = analysis.generated().iter().map(|&(j, _)| j).collect();
+                assert_eq!((analysis.rank(), &found), (all, &fixed), "{seed}, {name}: {system:?}");
+                sure += 1;
+                fixed_dofs += fixed.len();
+            }
+        });
+    }
+    assert!(sure > 2000 && fixed_dofs > 100, "{sure} {fixed_dofs}");
 }
 
 /// `sin(2 pi i j / n)`: zeros that were computed are 1e-16 to 1e-15, in DOFs and equations that have nothing else.

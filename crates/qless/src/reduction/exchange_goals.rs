@@ -54,12 +54,19 @@ fn flatten(exchange: &mut Exchange, mut queue: BTreeSet<u32>, limit: f64, prefer
     count
 }
 
+/// Returns true if a master may become the slave in place of `slave` to bound the growth: unless this makes a DOF a slave that must not be
+/// one, in place of one that may. A preferred slave gives way, because the bound comes first.
+fn may_replace(preferences: &SlavePreferences, master: u32, slave: u32) -> bool {
+    let may_be_slave = |dof| preferences.of(dof) > SlavePreference::Master;
+    may_be_slave(master) || !may_be_slave(slave)
+}
+
 /// The row whose slave is exchanged for `master`. A large coefficient of the master reduces most entries at once, so only rows with nearly
 /// the largest one are considered. The shortest of these rows causes the least fill. The coefficient must exceed 1: otherwise two DOFs
 /// could be exchanged forever.
 fn pivot_row(exchange: &Exchange, master: u32, preferences: &SlavePreferences) -> Option<u32> {
     let mut rows = exchange.holding(master);
-    rows.retain(|&(k, _)| preferences.of(master) >= preferences.of(exchange.relation.slave[k as usize]));
+    rows.retain(|&(k, _)| may_replace(preferences, master, exchange.relation.slave[k as usize]));
     let steepest = rows.iter().fold(0.0, |a: f64, (_, v)| a.max(v.abs()));
     let least = (NEARLY * steepest).max(LEAST);
     let fit = rows.iter().filter(|(_, v)| v.abs() >= least).map(|&(k, _)| k);
@@ -68,11 +75,11 @@ fn pivot_row(exchange: &Exchange, master: u32, preferences: &SlavePreferences) -
 
 /// The master with the largest coefficient above the bound in row i, among those that may become slaves.
 fn excess(exchange: &Exchange, i: u32, limit: f64, preferences: &SlavePreferences) -> Option<u32> {
-    let own = preferences.of(exchange.relation.slave[i as usize]);
+    let own = exchange.relation.slave[i as usize];
     let mut best: Option<(u32, f64)> = None;
     for (j, v) in exchange.relation.row(i as usize).entries() {
         let larger = best.is_none_or(|(_, most)| v.abs() >= most);
-        if v.abs() > limit && larger && exchange.is_free(j) && preferences.of(j) >= own {
+        if v.abs() > limit && larger && exchange.is_free(j) && may_replace(preferences, j, own) {
             best = Some((j, v.abs()));
         }
     }

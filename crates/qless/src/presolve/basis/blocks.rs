@@ -96,21 +96,14 @@ impl Vectors {
 
     /// Sets entries of the motions below the threshold to zero, except where the kept rows of `matrix` need them.
     ///
-    /// The threshold bounds the error of each entry. If the other DOFs of a row miss it by more than their errors, and one DOF of the row
-    /// seems to rest, it does not: its motion is small in these units and follows from the row.
+    /// The threshold bounds the error of each entry. If the moving DOFs of a row miss it by more than their errors, a DOF that seems to rest
+    /// moves, too: its motion is small in these units and follows from the row.
     pub fn set_resting(&mut self, matrix: &Csr, kept: &[usize], sigma: f64) {
         let zero = (ZERO_UNITS * f64::EPSILON / sigma).clamp(ZERO[0], ZERO[1]);
         for moves in &mut self.moves {
             moves.iter_mut().filter(|v| v.abs() <= zero).for_each(|v| *v = 0.0);
-            let mut has_changed = moves.contains(&0.0);
-            while has_changed {
-                has_changed = false;
-                for &i in kept {
-                    if let Some((j, value)) = needed(matrix.row(i), moves, zero) {
-                        moves[j] = value;
-                        has_changed = true;
-                    }
-                }
+            if moves.contains(&0.0) {
+                move_needed(matrix, kept, moves, zero);
             }
         }
     }
@@ -124,18 +117,49 @@ impl Vectors {
     }
 }
 
-/// The only DOF of a row that seems to rest, and its motion by this row, if the other DOFs miss the row by more than their errors.
-fn needed(row: impl Iterator<Item = (usize, f64)>, moves: &[f64], error: f64) -> Option<(usize, f64)> {
-    let (mut resting, mut sum, mut size) = (None, 0.0, 0.0);
-    for (j, v) in row.filter(|&(_, v)| v != 0.0) {
-        if moves[j] != 0.0 {
-            (sum, size) = (sum + v * moves[j], size + v.abs());
-        } else if resting.replace((j, v)).is_some() {
-            return None;
+/// Gives a motion to DOFs that seem to rest, if the other DOFs of a row miss it by more than their errors.
+fn move_needed(matrix: &Csr, kept: &[usize], moves: &mut [f64], error: f64) {
+    let mut is_fixed = vec![false; moves.len()];
+    loop {
+        let mut has_changed = false;
+        for &i in kept {
+            match Missed::by(matrix.row(i), moves, &is_fixed, error) {
+                Missed { dof: Some((j, v)), sum, is_missed: true, .. } if sum / v != 0.0 => moves[j] = -sum / v,
+                Missed { dof: Some((j, _)), is_alone: true, .. } => is_fixed[j] = true,
+                _ => continue,
+            }
+            has_changed = true;
+        }
+        if !has_changed {
+            return;
         }
     }
-    let (j, v) = resting.filter(|_: &(usize, f64)| sum.abs() > error * size)?;
-    Some((j, -sum / v)).filter(|&(_, value)| value != 0.0)
+}
+
+/// By how much the moving DOFs of a row miss it.
+struct Missed {
+    sum: f64,
+    /// True if `sum` exceeds the errors of the motions.
+    is_missed: bool,
+    /// The DOF with the largest coefficient among those that seem to rest and may move, and this coefficient.
+    dof: Option<(usize, f64)>,
+    /// True if all other DOFs of the row are fixed.
+    is_alone: bool,
+}
+
+impl Missed {
+    fn by(row: impl Iterator<Item = (usize, f64)>, moves: &[f64], is_fixed: &[bool], error: f64) -> Self {
+        let (mut dof, mut sum, mut size, mut others) = (None, 0.0, 0.0, 0);
+        for (j, v) in row.filter(|&(j, v)| v != 0.0 && !is_fixed[j]) {
+            others += 1;
+            if moves[j] != 0.0 {
+                (sum, size) = (sum + v * moves[j], size + v.abs());
+            } else if dof.is_none_or(|(_, most): (usize, f64)| v.abs() > most.abs()) {
+                dof = Some((j, v));
+            }
+        }
+        Self { sum, is_missed: sum.abs() > error * size, dof, is_alone: others == 1 && dof.is_some() }
+    }
 }
 
 /// Distance of the kept rows from dependence, each row scaled to a largest coefficient of 1.
