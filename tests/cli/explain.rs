@@ -172,6 +172,13 @@ fn diff_names_what_tells_two_sets_apart() {
     // Labels that differ in capitals only are different DOFs if a set has both.
     place.file("case.rel", "1 u - 1 U = 0\n1 u - 1 v = 0\n").file("one.rel", "1 u - 1 v = 0\n");
     assert_eq!(place.run("diff -q case.rel one.rel").code, 1);
+    // A list names the label as written, and any case of it only if no label is written so.
+    assert!(place.run("explain -q case.rel u").out.starts_with("\"u\""));
+    // A difference within rounding of the terms is a difference, but not a sure one.
+    place.file("near.rel", "1 u - 1.000000000001 v = 0\n");
+    let near = place.run("diff -q one.rel near.rel");
+    assert!(near.out.lines().last().is_some_and(|line| line.starts_with("AMBIGUOUS: ")), "{}", near.out);
+    assert_eq!(place.run("diff -q one.rel near.rel --format json").json()["ambiguous"], true);
     let values = place.run("diff -q a b");
     assert_eq!(values.code, 1);
     assert!(values.out.contains("a adds 1 relation to the other:\n  DOF 1 = 0.5\n"), "{}", values.out);

@@ -24,6 +24,9 @@ use crate::wording::{count, equation, label, number};
 
 /// Largest number of equations that are listed for each set.
 const SHOWN: usize = 20;
+/// What the text says if the comparison is in doubt.
+const IN_DOUBT: &str =
+    "AMBIGUOUS: the sets may differ by rounding only, or agree only to rounding; `qless check` of each set says more.";
 
 /// Prints the equations of each set that do not follow from the other; exit code 0 if the sets have the same solutions, else 1.
 pub fn run(args: &DiffArgs) -> Result<ExitCode, CliFailure> {
@@ -44,25 +47,24 @@ pub fn run(args: &DiffArgs) -> Result<ExitCode, CliFailure> {
     let folds = ![&first, &second].iter().any(|of| tells_case(of));
     let [a, b] = [&first, &second].map(|of| Relations::new(of, folds));
     let set = |of: &Diagnosis, own: &Relations, other: &Relations| -> Result<DiffSet, CliFailure> {
-        Ok(DiffSet {
-            file: of.args.input.to_string_lossy().into_owned(),
-            conflicting: of.is_conflicting(),
-            not_implied: if is_solvable { own.beyond(other, of)? } else { Vec::new() },
-        })
+        let (not_implied, is_in_doubt) = if is_solvable { own.beyond(other, of)? } else { Default::default() };
+        let file = of.args.input.to_string_lossy().into_owned();
+        Ok(DiffSet { file, conflicting: of.is_conflicting(), not_implied, ambiguous: is_in_doubt })
     };
     let sets = [set(&first, &a, &b)?, set(&second, &b, &a)?];
     drop(progress);
     let same = is_solvable && sets.iter().all(|set| set.not_implied.is_empty());
     match args.format {
         AnswerFormat::Json => {
-            let answer = json!({"schema": "qless.diff/1", "same": same, "sets": sets});
+            let ambiguous = sets.iter().any(|set| set.ambiguous);
+            let answer = json!({"schema": "qless.diff/1", "same": same, "ambiguous": ambiguous, "sets": sets});
             terminal::show_json(|out| json::lines(out, &answer))?;
         }
-        AnswerFormat::Text if same => {
-            terminal::write(|out| writeln!(out, "Both sets have the same solutions."))?;
-        }
         AnswerFormat::Text => {
-            let lines = sets.iter().flat_map(DiffSet::lines).map(|line| line + "\n");
+            let same = same.then(|| "Both sets have the same solutions.".to_owned());
+            let doubt = sets.iter().any(|set| set.ambiguous).then(|| IN_DOUBT.to_owned());
+            let lines =
+                same.into_iter().chain(sets.iter().flat_map(DiffSet::lines)).chain(doubt).map(|line| line + "\n");
             terminal::write(|out| out.write_all(lines.collect::<String>().as_bytes()))?;
         }
     }
@@ -77,6 +79,9 @@ struct DiffSet {
     conflicting: bool,
     /// The equations and prescribed values that do not follow from the other set.
     not_implied: Vec<String>,
+    /// Whether `not_implied` is in doubt: another reading of rounding gives another list.
+    #[serde(skip)]
+    ambiguous: bool,
 }
 
 impl DiffSet {
@@ -149,8 +154,8 @@ impl Relations {
         self.names.push(format!("{} = {}{place}", label(dof), number(value)));
     }
 
-    /// The names of the relations that do not follow from `other`. `of` is the diagnosis of this set.
-    fn beyond<'a>(&'a self, other: &'a Self, of: &Diagnosis) -> Result<Vec<String>, CliFailure> {
+    /// The names of the relations that do not follow from `other`, and whether this is in doubt. `of` is the diagnosis of this set.
+    fn beyond<'a>(&'a self, other: &'a Self, of: &Diagnosis) -> Result<(Vec<String>, bool), CliFailure> {
         let mut numbers: HashMap<&'a str, usize> = HashMap::new();
         let mut equations = Vec::new();
         for (terms, b) in other.relations.iter().chain(&self.relations) {
@@ -170,6 +175,7 @@ impl Relations {
         let system = builder.build().map_err(|error| failed(&error))?;
         let analysis = analyse(&system, &options).map_err(|error| failed(&error))?;
         let own = analysis.kinds()[count_of_other..].iter().zip(&self.names);
-        Ok(own.filter(|(kind, _)| **kind != Kind::Redundant).map(|(_, name)| name.clone()).collect())
+        let beyond = own.filter(|(kind, _)| **kind != Kind::Redundant).map(|(_, name)| name.clone()).collect();
+        Ok((beyond, analysis.confidence().ambiguous))
     }
 }

@@ -14,12 +14,13 @@ use crate::wording::label;
 pub struct NameIndex<'a> {
     system: &'a ConstraintSystem,
     deck: Option<(&'a Deck, &'a LoadCase)>,
-    /// Rows and columns by their labels in lower case, built on demand.
+    /// Rows and columns by their labels, built on demand.
     rows: OnceCell<LabelIndex>,
     columns: OnceCell<LabelIndex>,
 }
 
-type LabelIndex = HashMap<String, Vec<usize>>;
+/// Places by label as written, and by label in small letters.
+type LabelIndex = [HashMap<String, Vec<usize>>; 2];
 
 /// Whether a list names equations or DOFs.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -111,13 +112,14 @@ impl<'a> NameIndex<'a> {
     fn labelled(&self, word: &str, wanted: Wanted) -> Option<&Vec<usize>> {
         let index = if wanted == Wanted::Equations { &self.rows } else { &self.columns };
         let labels = index.get_or_init(|| {
-            let mut labels = LabelIndex::new();
+            let mut labels = LabelIndex::default();
             for (k, label) in self.labels(wanted).enumerate() {
-                labels.entry(label.to_lowercase()).or_default().push(k);
+                labels[1].entry(label.to_lowercase()).or_default().push(k);
+                labels[0].entry(label).or_default().push(k);
             }
             labels
         });
-        labels.get(&word.to_lowercase())
+        labels[0].get(word).or_else(|| labels[1].get(&word.to_lowercase()))
     }
 }
 

@@ -117,30 +117,34 @@ impl Vectors {
     }
 }
 
-/// Gives a motion to DOFs that seem to rest, if the other DOFs of a row miss it by more than their errors.
+/// Gives a motion to DOFs that seem to rest, if the other DOFs of a row miss it by more than their errors, which are at most `error` each.
 fn move_needed(matrix: &Csr, kept: &[usize], moves: &mut [f64], error: f64) {
+    let mut errors = vec![error; moves.len()];
     let mut is_fixed = vec![false; moves.len()];
-    loop {
+    // DOFs that rows fix come first, so that no other row gives them a motion.
+    let mut pass = |may_move: bool| {
         let mut has_changed = false;
         for &i in kept {
-            match Missed::by(matrix.row(i), moves, &is_fixed, error) {
-                Missed { dof: Some((j, v)), sum, is_missed: true, .. } if sum / v != 0.0 => moves[j] = -sum / v,
+            match Missed::by(matrix.row(i), moves, &errors, &is_fixed) {
                 Missed { dof: Some((j, _)), is_alone: true, .. } => is_fixed[j] = true,
+                Missed { dof: Some((j, v)), sum, error, .. } if may_move && sum.abs() > error && sum / v != 0.0 => {
+                    (moves[j], errors[j]) = (-sum / v, error / v.abs());
+                }
                 _ => continue,
             }
             has_changed = true;
         }
-        if !has_changed {
-            return;
-        }
-    }
+        has_changed
+    };
+    while pass(false) {}
+    while pass(true) {}
 }
 
 /// By how much the moving DOFs of a row miss it.
 struct Missed {
     sum: f64,
-    /// True if `sum` exceeds the errors of the motions.
-    is_missed: bool,
+    /// Bound of the error of `sum`.
+    error: f64,
     /// The DOF with the largest coefficient among those that seem to rest and may move, and this coefficient.
     dof: Option<(usize, f64)>,
     /// True if all other DOFs of the row are fixed.
@@ -148,17 +152,17 @@ struct Missed {
 }
 
 impl Missed {
-    fn by(row: impl Iterator<Item = (usize, f64)>, moves: &[f64], is_fixed: &[bool], error: f64) -> Self {
-        let (mut dof, mut sum, mut size, mut others) = (None, 0.0, 0.0, 0);
+    fn by(row: impl Iterator<Item = (usize, f64)>, moves: &[f64], errors: &[f64], is_fixed: &[bool]) -> Self {
+        let (mut dof, mut sum, mut error, mut count) = (None, 0.0, 0.0, 0);
         for (j, v) in row.filter(|&(j, v)| v != 0.0 && !is_fixed[j]) {
-            others += 1;
+            count += 1;
             if moves[j] != 0.0 {
-                (sum, size) = (sum + v * moves[j], size + v.abs());
+                (sum, error) = (sum + v * moves[j], error + v.abs() * errors[j]);
             } else if dof.is_none_or(|(_, most): (usize, f64)| v.abs() > most.abs()) {
                 dof = Some((j, v));
             }
         }
-        Self { sum, is_missed: sum.abs() > error * size, dof, is_alone: others == 1 && dof.is_some() }
+        Self { sum, error, dof, is_alone: count == 1 && dof.is_some() }
     }
 }
 
