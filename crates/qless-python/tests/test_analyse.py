@@ -116,7 +116,7 @@ def test_prescribed_and_fixed():
     assert r.G.toarray().tolist() == [[1.0], [1.0]]
     assert r.because_fixed(1)
     r.refresh(prescribed={2: 3.0})
-    assert r.u0.tolist() == [3.5, 3.0, 3.0]
+    assert r.u0.tolist() == [3.5, 3.0, 3.0] and r.fixed == {0: 3.5, 1: 3.0}
     r.refresh(b=[0.0, 0.0], prescribed=[4.0])
     assert r.u0.tolist() == [4.0, 4.0, 4.0]
     for change in (r.refresh, r.with_values):
@@ -132,6 +132,17 @@ def test_refresh_refuses_conflicts_and_changes_nothing():
         r.refresh([1, 1])
     assert raised.value.rows == [1] and raised.value.explanations[0].terms == [(0, 2.0)]
     assert r.g.tolist() == before == [1.0]
+
+
+def test_refresh_finds_what_an_analysis_finds():
+    r = qless.analyse([[1, 1], [0, 1], [1, 1]], [1000, 1, 1000])
+    assert not r.ambiguous
+    with pytest.raises(qless.Conflict):
+        r.refresh([1000, 2e10, 1001])
+    r.refresh([1000, 1, 1000 + 1e-6])
+    assert r.ambiguous and r.doubt == "mismatch"
+    r.refresh([1000, 1, 1000])
+    assert not r.ambiguous
 
 
 def test_texts():
