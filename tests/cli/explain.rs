@@ -179,7 +179,8 @@ fn diff_names_what_tells_two_sets_apart() {
     place.file("near.rel", "1 u - 1.000000000001 v = 0\n");
     let near = place.run("diff -q one.rel near.rel");
     assert!(near.out.lines().last().is_some_and(|line| line.starts_with("AMBIGUOUS: ")), "{}", near.out);
-    assert_eq!(place.run("diff -q one.rel near.rel --format json").json()["ambiguous"], true);
+    let json = place.run("diff -q one.rel near.rel --format json").out;
+    assert!(json.contains("\"ambiguous\": true"), "{json}");
     let values = place.run("diff -q a b");
     assert_eq!(values.code, 1);
     assert!(values.out.contains("a adds 1 relation to the other:\n  DOF 1 = 0.5\n"), "{}", values.out);

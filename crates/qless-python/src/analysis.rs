@@ -5,9 +5,9 @@ use std::sync::Arc;
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use qless::{Analysis, Confidence, Report, analyse as analyse_system};
+use qless::{Analysis, Report, analyse as analyse_system};
 
-use crate::elimination::{PyElimination, numbers_of};
+use crate::elimination::{ConfidenceNumbers, PyElimination, TermArrays, confidence_numbers, fixed_dofs, numbers_of};
 use crate::errors::{LabelNames, analysis_error, argument_error, plain};
 use crate::explanation::{ExplanationArrays, RepairNumbers, arrays, numbers};
 use crate::interrupt::run;
@@ -18,9 +18,6 @@ use crate::system::{PySystem, places};
 #[pyclass(frozen, name = "Analysis", module = "qless._qless")]
 #[derive(Debug)]
 pub struct PyAnalysis(Arc<Analysis>);
-
-/// An array of rows or DOFs, and an array with a number for each of them.
-pub type TermArrays<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<f64>>);
 
 /// `(row, DOF, coefficient)` of each coefficient.
 type Coefficients = Vec<(usize, usize, f64)>;
@@ -41,21 +38,6 @@ fn terms<'py>(py: Python<'py>, terms: &[qless::CertificateTerm]) -> TermArrays<'
     let rows: Vec<usize> = terms.iter().map(|term| term.row).collect();
     let coefficients: Vec<f64> = terms.iter().map(|term| term.coefficient).collect();
     (places(py, &rows), coefficients.into_pyarray(py))
-}
-
-/// DOFs and their values, as two arrays.
-pub fn fixed_dofs<'py>(py: Python<'py>, fixed: &[(usize, f64)]) -> TermArrays<'py> {
-    let (dofs, values): (Vec<usize>, Vec<f64>) = fixed.iter().copied().unzip();
-    (places(py, &dofs), values.into_pyarray(py))
-}
-
-/// A confidence: `(digits kept, digits dropped, ambiguous, doubt)`.
-pub type ConfidenceNumbers = (f64, f64, bool, Option<String>);
-
-pub fn confidence_numbers(confidence: Confidence) -> ConfidenceNumbers {
-    let doubt = confidence.doubt.map(|doubt| serde_json::to_string(&doubt).unwrap_or_default());
-    let doubt = doubt.map(|word| word.trim_matches('"').to_owned());
-    (confidence.digits_kept(), confidence.digits_dropped(), confidence.ambiguous, doubt)
 }
 
 #[pymethods]

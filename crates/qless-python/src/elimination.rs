@@ -5,9 +5,8 @@ use std::sync::{Arc, Mutex, PoisonError, RwLock, RwLockReadGuard};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use qless::elimination::{CondensedPattern, EliminationError, PrescribedDofs, View};
-use qless::{Analysis, ArgumentError, ConstraintSystem, Elimination, Form, Kind};
+use qless::{Analysis, ArgumentError, Confidence, ConstraintSystem, Elimination, Form, Kind};
 
-use crate::analysis::{ConfidenceNumbers, TermArrays, confidence_numbers, fixed_dofs};
 use crate::errors::{LabelNames, argument_error, elimination_error};
 use crate::interrupt::run;
 use crate::system::{IndexArray, RowArrays, indices, places, row_arrays, starts};
@@ -94,6 +93,24 @@ impl PyElimination {
         *known = Some(Arc::clone(&made));
         Ok(made)
     }
+}
+
+/// An array of rows or DOFs, and an array with a number for each of them.
+pub type TermArrays<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<f64>>);
+
+/// DOFs and their values, as two arrays.
+pub fn fixed_dofs<'py>(py: Python<'py>, fixed: &[(usize, f64)]) -> TermArrays<'py> {
+    let (dofs, values): (Vec<usize>, Vec<f64>) = fixed.iter().copied().unzip();
+    (places(py, &dofs), values.into_pyarray(py))
+}
+
+/// A confidence: `(digits kept, digits dropped, ambiguous, doubt)`.
+pub type ConfidenceNumbers = (f64, f64, bool, Option<String>);
+
+pub fn confidence_numbers(confidence: Confidence) -> ConfidenceNumbers {
+    let doubt = confidence.doubt.map(|doubt| serde_json::to_string(&doubt).unwrap_or_default());
+    let doubt = doubt.map(|word| word.trim_matches('"').to_owned());
+    (confidence.digits_kept(), confidence.digits_dropped(), confidence.ambiguous, doubt)
 }
 
 /// The kinds as small numbers: 0 independent, 1 redundant, 2 conflicting.
