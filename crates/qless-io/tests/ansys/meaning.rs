@@ -111,7 +111,10 @@ fn later_definitions_do_not_change_a_command() {
     let values = |text: &str| prescribed(&deck(&format!("N,1\n{text}")), 0);
     let again = "N,2\nNSEL,S,NODE,,1\nCM,G,NODE\nD,G,UX,5\nNSEL,S,NODE,,2\nCM,G,NODE\n";
     assert_eq!(values(again), ["1:1 5"]);
-    assert_eq!(values("N,2\nCMBLOCK,G,NODE,1\n(8i10)\n         1\nD,G,UX,5\nCMBLOCK,G,NODE,1\n(8i10)\n         2\n"), ["1:1 5"]);
+    assert_eq!(
+        values("N,2\nCMBLOCK,G,NODE,1\n(8i10)\n         1\nD,G,UX,5\nCMBLOCK,G,NODE,1\n(8i10)\n         2\n"),
+        ["1:1 5"]
+    );
     assert_eq!(values("D,ALL,UX\nN,2\nCE,1,0,1,UX,1,2,UX,1\n"), ["1:1 0"]);
     assert_eq!(values("D,1,UX,0,,9\nN,2\n"), ["1:1 0"]);
     assert_eq!(values("D,ALL,UX\nN,2\nN,1\nD,ALL,UX,3\n"), ["1:1 3", "2:1 3"]);

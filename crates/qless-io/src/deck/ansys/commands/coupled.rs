@@ -105,8 +105,7 @@ impl CoupledSets {
             self.unknown.clear();
         }
         let items = (&mut self.sets, &mut self.past);
-        let uncertain =
-            delete(command, selection, items, self.now, &mut self.budget, |set| set.nodes.clone())?;
+        let uncertain = delete(command, selection, items, self.now, &mut self.budget, |set| set.nodes.clone())?;
         if !uncertain.is_empty() {
             self.doubt = Some(uncertain_deletion(command));
             self.unknown.extend(uncertain);

@@ -65,7 +65,8 @@ impl NodeSelection {
             return;
         }
         if command.is(1, "ALL") && nodes.unknown_groups.is_empty() {
-            let all = nodes.groups.values().flat_map(|group| group.iter()).map(|&(first, last)| (first, last, 1)).collect();
+            let all =
+                nodes.groups.values().flat_map(|group| group.iter()).map(|&(first, last)| (first, last, 1)).collect();
             return self.select(b"A", Some(all));
         }
         let group = nodes.groups.get(&group_name(command.field(2)));

@@ -2,27 +2,21 @@
 
 use crate::deck::Problem;
 use crate::deck::calculix::model::elements::{ElementShape, MeshElements};
-use crate::deck::calculix::model::{DeckDefinitions, folded};
+use crate::deck::calculix::model::{DeckDefinitions, ElementDefinition, folded};
 use crate::deck::calculix::syntax::{DataLines, Scope, fold_name, number};
 use crate::fault::quote;
 
 impl DeckDefinitions {
     /// Parses the `*ELEMENT` cards. Each element is a number followed by its nodes, on as many lines as needed.
     pub fn parse_elements(&self) -> Result<MeshElements, Problem> {
-        let mut elements = MeshElements::default();
+        let (mut elements, mut fields) = (MeshElements::default(), Vec::new());
         for block in &self.blocks {
             let shape = ElementShape::from_type(&block.kind);
-            let mut lines = DataLines::new(&block.data);
-            while let Some(line) = lines.next() {
-                let mut fields = line.fields();
-                let own = number(fields.next().unwrap_or_default(), "an element")?;
+            each_element(block, &mut fields, |fields| {
+                let own = number(fields[0], "an element")?;
                 let start = elements.nodes.len();
-                self.add_nodes(block.scope, fields, &mut elements.nodes)?;
-                let mut goes_on = line.text.trim_ascii_end().ends_with(b",");
-                while shape.nodes.map_or(goes_on, |count| elements.nodes.len() < start + count) {
-                    let Some(line) = lines.next() else { break };
-                    goes_on = line.text.trim_ascii_end().ends_with(b",");
-                    self.add_nodes(block.scope, line.fields(), &mut elements.nodes)?;
+                for field in &fields[1..] {
+                    elements.nodes.push(self.node(block.scope, field)?);
                 }
                 let index = elements.all.len() as u32;
                 elements.all.push((shape, start, elements.nodes.len()));
@@ -30,22 +24,41 @@ impl DeckDefinitions {
                 if let Some(set) = &block.set {
                     elements.by_set.entry((block.scope, set.clone())).or_default().push(index);
                 }
-            }
+                Ok(())
+            })?;
         }
         Ok(elements)
     }
+}
 
-    fn add_nodes<'a>(
-        &self,
-        scope: Scope,
-        fields: impl Iterator<Item = &'a [u8]>,
-        nodes: &mut Vec<u32>,
-    ) -> Result<(), Problem> {
-        for field in fields.filter(|field| !field.is_empty()) {
-            nodes.push(self.node(scope, field)?);
+/// Visits the elements of a card: `visit` gets the fields of each, first its number and then those of its nodes that are not empty. An
+/// element continues on the next line until it has all of its nodes. `fields` is memory that is used again.
+pub fn each_element<'a>(
+    block: &'a ElementDefinition,
+    fields: &mut Vec<&'a [u8]>,
+    mut visit: impl FnMut(&[&'a [u8]]) -> Result<(), Problem>,
+) -> Result<(), Problem> {
+    let count = ElementShape::from_type(&block.kind).nodes;
+    let mut lines = DataLines::new(&block.data);
+    while let Some(mut line) = lines.next() {
+        fields.clear();
+        fields.extend(line.fields().take(1));
+        let mut skipped = 1;
+        loop {
+            fields.extend(line.fields().skip(skipped).filter(|field| !field.is_empty()));
+            skipped = 0;
+            let goes_on = line.text.trim_ascii_end().ends_with(b",");
+            if !count.map_or(goes_on, |count| fields.len() <= count) {
+                break;
+            }
+            match lines.next() {
+                Some(next) => line = next,
+                None => break,
+            }
         }
-        Ok(())
+        visit(fields)?;
     }
+    Ok(())
 }
 
 /// A surface: single nodes and faces, where a face is a list of nodes.
@@ -53,7 +66,7 @@ impl DeckDefinitions {
 pub struct DeckSurface {
     pub nodes: Vec<u32>,
     pub faces: Vec<Vec<u32>>,
-    /// Whether the faces are edges of plane elements.
+    /// Whether the faces are edges of plane elements or of shells.
     pub is_line: bool,
     /// Whether some faces belong to shells or membranes.
     pub has_shells: bool,
@@ -92,11 +105,19 @@ impl DeckSurface {
     fn add_faces(&mut self, of: &DeckDefinitions, scope: Scope, elements: &[u8], face: &str) -> Result<(), Problem> {
         for element in of.element_or_set(scope, elements)? {
             let shape = of.elements()?.shape(element);
-            let nodes = shape.face(face, of.elements()?.nodes(element)).ok_or_else(|| Problem::Expected {
-                expected: "a face that the element has",
-                found: quote(format!("{face} of {}", String::from_utf8_lossy(elements)).as_bytes()),
-            })?;
-            self.is_line |= shape.is_plane();
+            let name = || format!("{face} of {}", String::from_utf8_lossy(elements));
+            let Some(nodes) = shape.face(face, of.elements()?.nodes(element)) else {
+                return Err(if shape.has_unknown_face(face) {
+                    Problem::NotFollowed { what: format!("the face {}", name()) }
+                } else {
+                    Problem::Expected { expected: "a face that the element has", found: quote(name().as_bytes()) }
+                });
+            };
+            let is_line = shape.is_line(face);
+            if is_line != self.is_line && !self.faces.is_empty() {
+                return Err(Problem::NotFollowed { what: format!("a surface of edges and faces, such as {}", name()) });
+            }
+            self.is_line = is_line;
             self.has_shells |= shape.is_shell();
             self.faces.push(nodes);
         }
