@@ -105,4 +105,6 @@ pub(crate) struct DeckTraits {
     pub(crate) is_nonlinear: bool,
     /// Whether a kinematic coupling has axes of its own (`ORIENTATION`).
     pub(crate) has_oriented_couplings: bool,
+    /// Whether OptiStruct must not choose other dependent DOFs of rigid elements.
+    pub(crate) keeps_dependent: bool,
 }
