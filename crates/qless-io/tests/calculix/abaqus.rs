@@ -67,6 +67,7 @@ fn generated_nodes_have_positions() {
     );
     let undefined = known.replace("3,1,1.", "7,1,1.");
     assert!(refused(Abaqus, &undefined).contains("node 7 is not defined"));
+    assert!(left_out(&model(Ccx, "*NMAP,NSET=A,TYPE=CYLINDRICAL\n")).starts_with("1: *NMAP moves nodes"));
     let copied = model(
         Abaqus,
         "*NODE,NSET=A\n1,0,0,0\n*NCOPY,OLD SET=A,NEW SET=B,CHANGE NUMBER=10,SHIFT\n0,0,1\n\n*BOUNDARY\nB,1\n",
@@ -84,6 +85,11 @@ fn generated_elements_have_nodes() {
     };
     let nodes = |line: &str| model(Abaqus, &body(line)).equations() / 6;
     assert_eq!((nodes("1,1"), nodes("1,2"), nodes("1,1,1,1,2,1,1")), (2, 3, 3));
+    // Three rows of two elements, and two layers of these: 12 elements with nodes 1 to 2, 3 to 4 and so on.
+    let numbers = (5..30).map(|node| format!("{node},{node},0,0\n")).collect::<Vec<_>>().concat();
+    let layers = body("1,2,2,1,3,4,10,2,12,100").replace("4,0,3,4\n", &format!("4,0,3,4\n{numbers}"));
+    assert_eq!(model(Abaqus, &layers).equations() / 6, 24 - 1);
+    assert_eq!(left_out(&model(Abaqus, &body("1,0,1,1,4000000000,1,1,4000000000"))).lines().count(), 2);
     let unknown = model(Abaqus, &body("7,2"));
     assert!(left_out(&unknown).starts_with("13: *ELGEN makes elements of an unknown one"), "{}", left_out(&unknown));
     assert!(left_out(&unknown).contains("14: *RIGID BODY constrains, but it needs a set that *ELGEN gives members"));
@@ -253,14 +259,20 @@ fn axes_begin_at_their_origin() {
     // ccx reads two points only, and takes all axes but cylindrical ones as rectangular.
     assert_eq!(coupled(Ccx, "", "0,3,0,1,4,0,2,2,0"), "1 2:2 -1 1:2");
     assert_eq!(coupled(Ccx, ",SYSTEM=SPHERICAL", "0,1,0,1,0,0"), "1 2:2 -1 1:2");
+    let spherical = model(Ccx, "*ORIENTATION,NAME=O,SYSTEM=SPHERICAL\n0,1,0,1,0,0\n");
+    assert!(warnings(&spherical).contains("it takes these as rectangular"), "{}", warnings(&spherical));
 }
 
 #[test]
 fn unknown_axes_are_left_out() {
     let unknown = "needs axes that are neither rectangular nor cylindrical";
-    for kind in [",SYSTEM=SPHERICAL", ",SYSTEM=USER", ",DEFINITION=OFFSET TO NODES", ",DEFINITION=NODES"] {
+    for kind in [",SYSTEM=SPHERICAL", ",SYSTEM=USER"] {
         assert!(coupled(Abaqus, kind, "1,0,0,0,1,0").contains(unknown), "{kind}");
     }
+    for kind in [",DEFINITION=OFFSET TO NODES", ",DEFINITION=NODES"] {
+        assert!(coupled(Abaqus, kind, "1,0,0,0,1,0").contains("needs axes that nodes define"), "{kind}");
+    }
+    assert!(coupled(Ccx, ",SYSTEM=SPHERICAL", "0,0,0,0,0,1").contains(unknown));
     let turned = |solver, line: &str| coupled(solver, "", &format!("1,0,0,0,1,0\n{line}"));
     assert_eq!((turned(Abaqus, "3,90."), turned(Ccx, "3,90.")), ("1 2:2 -1 1:2".into(), "1 2:2 -1 1:2".into()));
     // Abaqus turns about the first axis by default, and ccx about none.

@@ -368,7 +368,7 @@ impl CalculixReader {
     /// Refuses equations that name undefined nodes. The error names the undefined node with the lowest number, and its first equation.
     fn check_nodes(&self) -> Result<(), DeckError> {
         let defined = self.definitions.node_numbers();
-        if defined.is_empty() || self.definitions.generates_nodes {
+        if defined.is_empty() || self.definitions.has_unknown_nodes() {
             return Ok(());
         }
         let mut used: Vec<u32> = self.model.dofs.iter().map(|dof| dof.node).collect();

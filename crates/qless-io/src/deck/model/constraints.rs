@@ -98,6 +98,7 @@ pub struct Warning {
 
 /// Properties of a whole deck that affect how a solver behaves.
 #[derive(Clone, Copy, Debug, Default)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a property that stands alone")]
 pub(crate) struct DeckTraits {
     /// Whether some nodes have local axes.
     pub(crate) has_local_axes: bool,

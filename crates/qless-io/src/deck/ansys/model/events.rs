@@ -20,6 +20,17 @@ pub enum NodeChoice {
     Ranges(Box<[(u32, u32, u32)]>),
 }
 
+impl NodeChoice {
+    fn ranges(&self) -> Vec<(u32, u32, u32)> {
+        match self {
+            Self::Range(first, last, step) => vec![(*first, *last, *step)],
+            Self::All => vec![(1, u32::MAX, 1)],
+            Self::Ranges(ranges) => ranges.to_vec(),
+            Self::Group(group) => group.iter().map(|&(first, last)| (first, last, 1)).collect(),
+        }
+    }
+}
+
 /// The components to which a command applies, followed by zeros. If all six are zero, it applies to all components.
 pub type ComponentList = [u8; 6];
 
@@ -115,7 +126,7 @@ struct EventReplay<'a> {
     held: usize,
 }
 
-impl<'a> EventReplay<'a> {
+impl EventReplay<'_> {
     fn new(defined: &AnsysNodes, events: &[ValueEvent], others: &[Dof], model: &Model) -> Self {
         let dofs = || model.dofs.iter().chain(others);
         let mut nodes: Vec<u32> = defined.numbers.iter().copied().chain(dofs().map(|dof| dof.node)).collect();
@@ -149,7 +160,7 @@ impl<'a> EventReplay<'a> {
         let all = event.has_all_components().then(|| self.components.clone());
         let listed = event.components.iter().take_while(|component| **component != 0).count();
         let components = all.as_deref().unwrap_or(&event.components[..listed]);
-        for (first, last, step) in self.ranges(&event.nodes) {
+        for (first, last, step) in event.nodes.ranges() {
             let nodes = self.members(first, last);
             self.spend(nodes.len().saturating_mul(components.len()).saturating_add(1))?;
             for at in nodes {
@@ -174,15 +185,6 @@ impl<'a> EventReplay<'a> {
         }
         let advice = "make a deck for each load step, or prescribe fewer nodes";
         Err(Problem::Limit { what: "the number of values in all load steps", limit: HELD, advice })
-    }
-
-    fn ranges(&self, choice: &NodeChoice) -> Vec<(u32, u32, u32)> {
-        match choice {
-            NodeChoice::Range(first, last, step) => vec![(*first, *last, *step)],
-            NodeChoice::All => vec![(1, u32::MAX, 1)],
-            NodeChoice::Ranges(ranges) => ranges.to_vec(),
-            NodeChoice::Group(group) => group.iter().map(|&(first, last)| (first, last, 1)).collect(),
-        }
     }
 
     /// Indices of the nodes whose numbers lie between `first` and `last`.

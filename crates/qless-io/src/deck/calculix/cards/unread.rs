@@ -1,7 +1,7 @@
 //! Cards that constrain but are not read, and the DOFs that they may claim.
 
 use crate::deck::calculix::cards::RegisteredCard;
-use crate::deck::calculix::model::{DeckDefinitions, DeckSurface};
+use crate::deck::calculix::model::{AxesKind, DeckDefinitions, DeckSurface, axes};
 use crate::deck::calculix::syntax::KeywordCard;
 use crate::deck::{Dof, Model, Problem};
 
@@ -43,6 +43,12 @@ fn misspelt(card: &KeywordCard, model: &mut Model) {
 /// Warns of a card in [`UNREAD`], which constrains, and claims the DOFs of its nodes. Also warns of a misspelt keyword. Does nothing for
 /// any other card.
 pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions) {
+    let has_axes = [("*TRANSFORM", "TYPE"), ("*ORIENTATION", "SYSTEM")];
+    let named = has_axes.iter().find(|(keyword, _)| card.is(keyword) && !definitions.is_abaqus);
+    if named.is_some_and(|(_, kind)| matches!(axes(card, kind).kind, AxesKind::ZRectangular | AxesKind::Other)) {
+        let text = "ccx knows rectangular and cylindrical axes only: it takes these as rectangular";
+        model.warn(card.file, card.line, text);
+    }
     let Some((keyword, name)) = UNREAD.iter().find(|(keyword, _)| card.is(keyword)) else {
         return misspelt(card, model);
     };

@@ -5,11 +5,9 @@ use std::cell::{OnceCell, RefCell};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::deck::calculix::model::elements::{ElementShape, MeshElements};
-use crate::deck::calculix::model::frames::LocalAxes;
 use crate::deck::calculix::model::instances::{Instance, InstanceMotion, NodeNumbers};
-use crate::deck::calculix::model::mesh::each_element;
 use crate::deck::calculix::model::{
-    AxesCard, ElementDefinition, ScopedName, SetMembers, SetPart, SetTable, SurfaceCard, axes,
+    AxesCard, ElementDefinition, Generation, LocalAxes, ScopedName, SetMembers, SetPart, SetTable, SurfaceCard, axes,
 };
 use crate::deck::calculix::syntax::walk::walk;
 use crate::deck::calculix::syntax::{
@@ -28,12 +26,7 @@ pub struct DeckDefinitions {
     pub(super) nodes: Vec<Vec<DataPiece>>,
     /// Text that names nodes whose positions are not known, for each scope.
     pub(super) unplaced: Vec<Vec<DataPiece>>,
-    /// The frame of `*SYSTEM` in each scope; `None` if it is not known.
-    pub(super) systems: FxHashMap<Scope, Option<Frame>>,
-    /// For each scope: how many pieces of `nodes` have been read, and the positions in them.
-    pub(super) own_positions: FxHashMap<Scope, (usize, FxHashMap<u32, Vector>)>,
-    /// Number of nodes and elements that cards generate.
-    pub(super) generated: usize,
+    pub(super) generation: Generation,
     /// File and line of definitions that this reader does not follow, with what they do.
     pub not_followed: Vec<(u32, u32, &'static str)>,
     /// Whether the deck is read for Abaqus, and not for ccx.
@@ -64,8 +57,6 @@ pub struct DeckDefinitions {
     /// Estimated number of equations and of their terms, used to reserve memory.
     pub equations: usize,
     pub terms: usize,
-    /// Whether other cards than `*NODE` may define nodes.
-    pub generates_nodes: bool,
 }
 
 /// Cards that Abaqus knows and ccx does not, and that change what other cards mean.
@@ -90,7 +81,8 @@ impl DeckDefinitions {
     /// Records what a card defines.
     pub fn note(&mut self, card: &KeywordCard) {
         let key = |parameter| (card.scope, card.word(parameter).unwrap_or_default());
-        self.is_abaqus |= ONLY_ABAQUS.iter().any(|keyword| card.is(keyword));
+        let has_system = card.is("*NODE") && card.parameter("SYSTEM").is_some();
+        self.is_abaqus |= has_system || ONLY_ABAQUS.iter().any(|keyword| card.is(keyword));
         match card.keyword.as_slice() {
             b"*INSTANCE" => self.instance(card),
             b"*ASSEMBLY" => self.assemblies.extend(card.word("NAME")),
@@ -137,12 +129,13 @@ impl DeckDefinitions {
             b"*SYSTEM" => self.system(card),
             b"*NGEN" => self.generate_nodes(card),
             b"*ELGEN" => self.generate_elements(card),
-            b"*NCOPY" | b"*NFILL" | b"*NMAP" => {
-                self.generates_nodes = true;
+            b"*NCOPY" | b"*NFILL" => {
+                self.generation.has_unknown_nodes = true;
                 self.set(card, || SetMembers::Unknown("*NFILL"));
                 let copied = card.word("NEWSET").map(|set| self.sets.of_nodes.entry((card.scope, set)).or_default());
                 copied.into_iter().for_each(|set| set.push(SetPart::from_card(card, SetMembers::Unknown("*NCOPY"))));
             }
+            b"*NMAP" => self.not_followed.push((card.file, card.line, "*NMAP moves nodes")),
             b"*ELCOPY" => {
                 let set = self.sets.of_elements.entry(key("NEWSET")).or_default();
                 set.push(SetPart::from_card(card, SetMembers::Unknown("*ELCOPY")));
@@ -229,6 +222,11 @@ impl DeckDefinitions {
         numbers
     }
 
+    /// Whether cards define nodes whose numbers are not known.
+    pub fn has_unknown_nodes(&self) -> bool {
+        self.generation.has_unknown_nodes
+    }
+
     /// Numbers of all nodes of the deck, ascending.
     pub fn node_numbers(&self) -> Vec<u32> {
         let mut all = self.listed(0);
@@ -293,10 +291,13 @@ impl DeckDefinitions {
             return Ok(*position);
         }
         let all = self.positions.get_or_init(|| self.all_positions()).as_ref().map_err(Clone::clone)?;
-        let are_known = !self.generates_nodes && self.unplaced.iter().all(Vec::is_empty);
-        all.get(&node).copied().ok_or_else(|| match are_known {
-            true => Problem::Undefined { what: "node", name: node.to_string() },
-            false => Problem::NotFollowed { what: format!("the position of node {node}") },
+        let are_known = !self.generation.has_unknown_nodes && self.unplaced.iter().all(Vec::is_empty);
+        all.get(&node).copied().ok_or_else(|| {
+            if are_known {
+                Problem::Undefined { what: "node", name: node.to_string() }
+            } else {
+                Problem::NotFollowed { what: format!("the position of node {node}") }
+            }
         })
     }
 
@@ -333,7 +334,7 @@ impl DeckDefinitions {
             let mut fields = Vec::new();
             for block in self.blocks.iter().filter(|block| shape(block).is_expanded()) {
                 // The visitor cannot fail.
-                _ = each_element(block, &mut fields, |fields| {
+                _ = block.each_element(&mut fields, |fields| {
                     for node in fields.iter().skip(1).filter_map(|field| self.node(block.scope, field).ok()) {
                         let shapes = all.entry(node).or_default();
                         if shapes.last() != Some(&shape(block)) {

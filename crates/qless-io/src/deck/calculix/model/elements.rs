@@ -3,8 +3,8 @@
 use rustc_hash::FxHashMap;
 
 use crate::deck::Problem;
-use crate::deck::calculix::model::ScopedName;
-use crate::deck::calculix::syntax::Scope;
+use crate::deck::calculix::model::{ElementDefinition, ScopedName};
+use crate::deck::calculix::syntax::{DataLines, Scope};
 
 /// What the reader needs to know of an element type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -126,6 +126,38 @@ impl ElementShape {
             ElementFamily::Plane => edge(number?, nodes),
             ElementFamily::Bar | ElementFamily::Other => None,
         }
+    }
+}
+
+impl ElementDefinition {
+    /// Visits the elements of a card: `visit` gets the fields of each, first its number and then those of its nodes that are not empty. An
+    /// element continues on the next line until it has all of its nodes. `fields` is memory that is used again.
+    pub fn each_element<'a>(
+        &'a self,
+        fields: &mut Vec<&'a [u8]>,
+        mut visit: impl FnMut(&[&'a [u8]]) -> Result<(), Problem>,
+    ) -> Result<(), Problem> {
+        let count = ElementShape::from_type(&self.kind).nodes;
+        let mut lines = DataLines::new(&self.data);
+        while let Some(mut line) = lines.next() {
+            fields.clear();
+            fields.extend(line.fields().take(1));
+            let mut skipped = 1;
+            loop {
+                fields.extend(line.fields().skip(skipped).filter(|field| !field.is_empty()));
+                skipped = 0;
+                let goes_on = line.text.trim_ascii_end().ends_with(b",");
+                if !count.map_or(goes_on, |count| fields.len() <= count) {
+                    break;
+                }
+                match lines.next() {
+                    Some(next) => line = next,
+                    None => break,
+                }
+            }
+            visit(fields)?;
+        }
+        Ok(())
     }
 }
 

@@ -6,14 +6,14 @@
 use rustc_hash::FxHashMap;
 
 use crate::deck::Problem;
-use crate::deck::calculix::model::{AxesCard, AxesKind, DeckDefinitions};
+use crate::deck::calculix::model::{AxesCard, AxesKind, DeckDefinitions, LocalAxes};
 use crate::deck::calculix::syntax::{self, DataLines, Scope, float, number};
 use crate::deck::kinematics::axes::{BASIC_AXES, Frame, FrameKind};
 use crate::deck::kinematics::vector::{Vector, cross, minus, unit};
 use crate::fault::quote;
 
-/// The local axes of nodes, or why they are not known.
-pub type LocalAxes = FxHashMap<u32, Result<Frame, Problem>>;
+/// What a card needs if the kind of its axes is [`AxesKind::Other`].
+const OTHER: &str = "axes that are neither rectangular nor cylindrical";
 
 impl DeckDefinitions {
     /// The local axes of each node that `*TRANSFORM` names.
@@ -47,9 +47,12 @@ impl DeckDefinitions {
         let mut lines = DataLines::new(data);
         let first = lines.next();
         let fields = || first.into_iter().flat_map(|line| line.fields());
-        if self.is_abaqus && (*kind == AxesKind::Other || !has_points) {
-            let what = "axes that are neither rectangular nor cylindrical with coordinates of their points".into();
-            return Err(Problem::NotFollowed { what });
+        let unknown = |what: &str| Problem::NotFollowed { what: what.into() };
+        if self.is_abaqus && !has_points {
+            return Err(unknown("axes that nodes define"));
+        }
+        if self.is_abaqus && *kind == AxesKind::Other {
+            return Err(unknown(OTHER));
         }
         let [a, b] = two_points(fields())?;
         let c = if self.is_abaqus {
@@ -64,7 +67,10 @@ impl DeckDefinitions {
             AxesKind::ZRectangular if self.is_abaqus => Frame::through(FrameKind::Rectangular, c, a, b),
             _ => along(minus(a, c), minus(b, c)),
         };
-        let mut frame = axes.ok_or_else(|| Problem::Degenerate { what: "the two points define no axes".into() })?;
+        let mut frame = axes.ok_or_else(|| match kind {
+            AxesKind::Other => unknown(OTHER),
+            _ => Problem::Degenerate { what: "the two points define no axes".into() },
+        })?;
         if let Some(line) = lines.next() {
             let mut fields = line.fields();
             let axis = fields.next().unwrap_or_default();

@@ -12,19 +12,18 @@ use std::fmt::Write;
 use std::sync::Arc;
 
 use crate::deck::calculix::model::frames::along;
-use crate::deck::calculix::model::mesh::each_element;
-use crate::deck::calculix::model::{DeckDefinitions, ElementDefinition, SetMembers, SetPart};
+use crate::deck::calculix::model::{DeckDefinitions, ElementDefinition, Generation, SetMembers, SetPart};
 use crate::deck::calculix::syntax::{DataLine, DataLines, DataPiece, KeywordCard, Scope, float, number};
 use crate::deck::kinematics::axes::{Frame, FrameKind};
 use crate::deck::kinematics::vector::{Vector, minus, plus, scaled};
 
-/// Largest number of nodes and of elements that the cards make. It bounds the memory, to about 100 bytes each.
-const GENERATED: usize = 5_000_000;
+/// Largest number of nodes and elements that the cards make. It bounds the memory, to about 200 bytes each.
+const GENERATED: usize = 1_000_000;
 
 impl DeckDefinitions {
     /// Records `*NODE`. Nodes in coordinates that this reader does not follow have no position.
     pub fn nodes_of_card(&mut self, card: &KeywordCard) {
-        let system = self.systems.get(&card.scope).copied().unwrap_or(Some(Frame::BASIC));
+        let system = self.generation.systems.get(&card.scope).copied().unwrap_or(Some(Frame::BASIC));
         let frame = match card.word("SYSTEM").unwrap_or_default().as_bytes() {
             b"" | b"R" => system,
             b"C" => system.map(|system| Frame { kind: FrameKind::Cylindrical, ..system }),
@@ -47,7 +46,7 @@ impl DeckDefinitions {
 
     /// Records `*SYSTEM`. The frame is unknown if a point is missing or is no point.
     pub fn system(&mut self, card: &KeywordCard) {
-        self.systems.insert(card.scope, frame(card));
+        self.generation.systems.insert(card.scope, frame(card));
     }
 
     /// Records `*NGEN, NSET=`, with lines `first, last, increment`. Only nodes on a straight line have positions.
@@ -55,7 +54,7 @@ impl DeckDefinitions {
         for line in card.lines() {
             let (mut text, mut placed) = (String::new(), String::new());
             if self.generated_nodes(card, &line, &mut text, &mut placed).is_none() {
-                self.generates_nodes = true;
+                self.generation.has_unknown_nodes = true;
             }
             self.list(card.scope, vec![piece(card, text)], false);
             self.list(card.scope, vec![piece(card, placed)], true);
@@ -72,8 +71,8 @@ impl DeckDefinitions {
     ) -> Option<()> {
         let [first, last, step] = whole_numbers(line, [0, 0, 1])?;
         let count = last.checked_sub(first)?.checked_div(step)?;
-        self.generated += count as usize;
-        if self.generated > GENERATED || first + count * step != last {
+        self.generation.count += count as usize;
+        if self.generation.count > GENERATED || first + count * step != last {
             return None;
         }
         let ends = [first, last].map(|node| self.own_position(card.scope, node));
@@ -92,7 +91,7 @@ impl DeckDefinitions {
 
     /// The position of a node in its scope; `None` if no line so far gives one.
     fn own_position(&mut self, scope: Scope, node: u32) -> Option<Vector> {
-        let (read, known) = self.own_positions.entry(scope).or_default();
+        let (read, known) = self.generation.positions.entry(scope).or_default();
         let pieces = self.nodes.get(scope.0 as usize).map_or(&[][..], Vec::as_slice);
         known.extend(DataLines::new(&pieces[*read..]).filter_map(|line| node_of(&line)));
         *read = pieces.len();
@@ -104,16 +103,14 @@ impl DeckDefinitions {
     pub fn generate_elements(&mut self, card: &KeywordCard) {
         for line in card.lines() {
             let counts = whole_numbers(&line, [0, 1, 1, 1, 1, 0, 0, 1, 0, 0]);
-            let members = match counts.and_then(|counts| self.copies(card, counts)) {
-                Some(block) => {
-                    self.blocks.push(block);
-                    SetMembers::List(vec![piece(card, counts.map_or(0, |counts| counts[0]).to_string())])
-                }
-                None => {
-                    let text = "*ELGEN makes elements of an unknown one, or too many";
-                    self.not_followed.push((line.file, line.number, text));
-                    SetMembers::Unknown("*ELGEN")
-                }
+            let block = counts.and_then(|counts| self.copies(card, counts));
+            let members = if let (Some(block), Some([master, ..])) = (block, counts) {
+                self.blocks.push(block);
+                SetMembers::List(vec![piece(card, master.to_string())])
+            } else {
+                let text = "*ELGEN makes elements of an unknown one, or too many";
+                self.not_followed.push((line.file, line.number, text));
+                SetMembers::Unknown("*ELGEN")
             };
             if let Some(set) = card.word("ELSET") {
                 self.sets.of_elements.entry((card.scope, set)).or_default().push(SetPart::from_card(card, members));
@@ -122,47 +119,42 @@ impl DeckDefinitions {
     }
 
     fn copies(&mut self, card: &KeywordCard, counts: [u32; 10]) -> Option<ElementDefinition> {
-        let [master, count, by_node, by_element, rows, row_nodes, row_elements, layers, layer_nodes, layer_elements] =
-            counts;
-        let own = |block: &ElementDefinition| {
-            let (mut found, mut text) = (None, Vec::new());
-            let is_own = |field: &[u8]| number(field, "an element") == Ok(master);
-            _ = each_element(block, &mut text, |fields| {
-                if is_own(fields[0]) {
-                    let nodes: Result<Vec<u32>, _> = fields[1..].iter().map(|field| number(field, "a node")).collect();
-                    found = nodes.ok();
-                }
-                Ok(())
-            });
-            found.map(|nodes| (block.kind.clone(), nodes))
-        };
-        let (kind, nodes) = self.blocks.iter().rev().filter(|block| block.scope == card.scope).find_map(own)?;
-        self.generated = [count, rows, layers]
-            .iter()
-            .try_fold(1_usize, |all, n| all.checked_mul(*n as usize))?
-            .checked_add(self.generated)?;
-        if self.generated > GENERATED {
+        let [master, count, rest @ ..] = counts;
+        let [by_node, by_element, rows, row_nodes, row_elements, layers, layer_nodes, layer_elements] = rest;
+        let (kind, nodes) = self.own_element(card.scope, master)?;
+        let all = count.checked_mul(rows)?.checked_mul(layers)?;
+        self.generation.count += all as usize;
+        if all == 0 || self.generation.count > GENERATED {
             return None;
         }
         let mut text = String::new();
-        for layer in 0..layers {
-            for row in 0..rows {
-                for k in (0..count).filter(|k| (layer, row, *k) != (0, 0, 0)) {
-                    let shift = |k_by: u32, row_by: u32, layer_by: u32| {
-                        k.checked_mul(k_by)?
-                            .checked_add(row.checked_mul(row_by)?)?
-                            .checked_add(layer.checked_mul(layer_by)?)
-                    };
-                    let by = shift(by_node, row_nodes, layer_nodes)?;
-                    write!(text, "{}", master.checked_add(shift(by_element, row_elements, layer_elements)?)?).ok()?;
-                    for node in &nodes {
-                        write!(text, ",{}", node.checked_add(by)?).ok()?;
-                    }
-                    text.push('\n');
-                }
+        for at in 1..all {
+            let place = [at % count, at / count % rows, at / count / rows];
+            let add = |first: u32, by: [u32; 3]| {
+                place.iter().zip(by).try_fold(first, |sum, (k, by)| sum.checked_add(k.checked_mul(by)?))
+            };
+            write!(text, "{}", add(master, [by_element, row_elements, layer_elements])?).ok()?;
+            for node in &nodes {
+                write!(text, ",{}", add(*node, [by_node, row_nodes, layer_nodes])?).ok()?;
             }
+            text.push('\n');
         }
         Some(ElementDefinition { scope: card.scope, kind, set: card.word("ELSET"), data: vec![piece(card, text)] })
+    }
+
+    /// The type of an element of a scope, and its nodes there; `None` if no card so far defines it.
+    fn own_element(&mut self, scope: Scope, element: u32) -> Option<(String, Vec<u32>)> {
+        let (Generation { blocks, elements, .. }, mut fields) = (&mut self.generation, Vec::new());
+        for (at, block) in self.blocks.iter().enumerate().skip(*blocks) {
+            // The visitor cannot fail.
+            _ = block.each_element(&mut fields, |fields| {
+                let numbers: Result<Vec<u32>, _> = fields.iter().map(|field| number(field, "a number")).collect();
+                numbers.into_iter().for_each(|own| _ = elements.insert((block.scope, own[0]), (at, own[1..].to_vec())));
+                Ok(())
+            });
+        }
+        *blocks = self.blocks.len();
+        elements.get(&(scope, element)).map(|(at, nodes)| (self.blocks[*at].kind.clone(), nodes.clone()))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::deck::Problem;
 use crate::deck::calculix::model::elements::{ElementShape, MeshElements};
-use crate::deck::calculix::model::{DeckDefinitions, ElementDefinition, folded};
+use crate::deck::calculix::model::{DeckDefinitions, folded};
 use crate::deck::calculix::syntax::{DataLines, Scope, fold_name, number};
 use crate::fault::quote;
 
@@ -12,7 +12,7 @@ impl DeckDefinitions {
         let (mut elements, mut fields) = (MeshElements::default(), Vec::new());
         for block in &self.blocks {
             let shape = ElementShape::from_type(&block.kind);
-            each_element(block, &mut fields, |fields| {
+            block.each_element(&mut fields, |fields| {
                 let own = number(fields[0], "an element")?;
                 let start = elements.nodes.len();
                 for field in &fields[1..] {
@@ -29,36 +29,6 @@ impl DeckDefinitions {
         }
         Ok(elements)
     }
-}
-
-/// Visits the elements of a card: `visit` gets the fields of each, first its number and then those of its nodes that are not empty. An
-/// element continues on the next line until it has all of its nodes. `fields` is memory that is used again.
-pub fn each_element<'a>(
-    block: &'a ElementDefinition,
-    fields: &mut Vec<&'a [u8]>,
-    mut visit: impl FnMut(&[&'a [u8]]) -> Result<(), Problem>,
-) -> Result<(), Problem> {
-    let count = ElementShape::from_type(&block.kind).nodes;
-    let mut lines = DataLines::new(&block.data);
-    while let Some(mut line) = lines.next() {
-        fields.clear();
-        fields.extend(line.fields().take(1));
-        let mut skipped = 1;
-        loop {
-            fields.extend(line.fields().skip(skipped).filter(|field| !field.is_empty()));
-            skipped = 0;
-            let goes_on = line.text.trim_ascii_end().ends_with(b",");
-            if !count.map_or(goes_on, |count| fields.len() <= count) {
-                break;
-            }
-            match lines.next() {
-                Some(next) => line = next,
-                None => break,
-            }
-        }
-        visit(fields)?;
-    }
-    Ok(())
 }
 
 /// A surface: single nodes and faces, where a face is a list of nodes.

@@ -16,7 +16,10 @@ use std::rc::Rc;
 
 use rustc_hash::FxHashMap;
 
+use crate::deck::Problem;
 use crate::deck::calculix::syntax::{DataPiece, KeywordCard, Scope, fold_name};
+use crate::deck::kinematics::axes::Frame;
+use crate::deck::kinematics::vector::Vector;
 
 /// A name, and the scope in which it is defined.
 pub type ScopedName = (Scope, String);
@@ -27,6 +30,23 @@ pub struct ElementDefinition {
     pub kind: String,
     pub set: Option<String>,
     pub data: Vec<DataPiece>,
+}
+
+/// The state of the cards that generate nodes and elements.
+#[derive(Default)]
+pub struct Generation {
+    /// The frame of `*SYSTEM` in each scope; `None` if it is not known.
+    pub systems: FxHashMap<Scope, Option<Frame>>,
+    /// For each scope: how many pieces of its nodes have been read, and the positions in them.
+    pub positions: FxHashMap<Scope, (usize, FxHashMap<u32, Vector>)>,
+    /// How many blocks of elements have been read.
+    pub blocks: usize,
+    /// For each element in them, the index of its block and its nodes.
+    pub elements: FxHashMap<(Scope, u32), (usize, Vec<u32>)>,
+    /// Number of nodes and elements that are generated.
+    pub count: usize,
+    /// Whether cards define nodes whose numbers are not known.
+    pub has_unknown_nodes: bool,
 }
 
 /// A `*SURFACE` card.
@@ -68,6 +88,9 @@ pub fn axes(card: &KeywordCard, parameter: &str) -> AxesCard {
     };
     AxesCard { scope: card.scope, kind, has_points, data: card.data.clone() }
 }
+
+/// The local axes of nodes, or why they are not known.
+pub type LocalAxes = FxHashMap<u32, Result<Frame, Problem>>;
 
 /// Members of a set, as one card gives them.
 pub enum SetMembers {

@@ -56,7 +56,8 @@ fn refuse_times(line: &DynaLine, birth: usize, death: usize) -> Result<(), Gap> 
     // Defaults of the death time of supports and motions are 1e20 and 1e28; 0 stands for the default.
     let (birth, death) = (line.number(birth)?.unwrap_or(0.0), line.number(death)?.unwrap_or(0.0));
     if birth > 0.0 || death > 0.0 && death < 1e20 {
-        return Err(Gap::Unread(format!("holds only from time {birth} to {death}")));
+        let end = if death > 0.0 { format!(" to {death}") } else { String::new() };
+        return Err(Gap::Unread(format!("holds only from time {birth}{end}")));
     }
     Ok(())
 }
