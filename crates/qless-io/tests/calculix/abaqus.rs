@@ -192,7 +192,11 @@ fn edges_of_shells_are_faces() {
 fn a_reference_at_the_centre_of_mass_is_left_out() {
     let body = |position: &str| model(Abaqus, &format!("{POINTS}*RIGID BODY,PIN NSET=N2,REF NODE=1{position}\n"));
     assert_eq!((body(",POSITION=INPUT").equations(), body(",POSITION=CENTER OF MASS").equations()), (3, 0));
-    assert!(left_out(&body(",POSITION=CENTER OF MASS")).contains("the centre of mass of the body"));
+    let moved = body(",POSITION=CENTER OF MASS");
+    assert!(left_out(&moved).contains("the centre of mass of the body"));
+    // Its nodes must not become slaves of other equations.
+    let claims: Vec<String> = moved.left_out_claims().iter().map(|(dof, _)| dof.to_string()).collect();
+    assert_eq!(claims, ["1:1", "1:2", "1:3", "2:1", "2:2", "2:3"]);
 }
 
 #[test]

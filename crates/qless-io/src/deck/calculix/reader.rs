@@ -35,7 +35,7 @@ pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
     }
     walk(sources, &mut |card: &KeywordCard| {
         let result = reader.card(card);
-        reader.or_left_out(result, card.file)
+        reader.or_left_out(result, card)
     })?;
     reader.finish()
 }
@@ -102,10 +102,12 @@ impl CalculixReader {
     }
 
     /// Leaves out a card that needs what this reader does not follow. All other errors stay.
-    fn or_left_out(&mut self, result: Result<(), DeckError>, file: u32) -> Result<(), DeckError> {
+    fn or_left_out(&mut self, result: Result<(), DeckError>, card: &KeywordCard) -> Result<(), DeckError> {
         match result {
-            Err(DeckError { problem: problem @ Problem::NotFollowed { .. }, line, card, .. }) => {
-                self.model.leave_out(file, line as u32, format!("{card} constrains, but {problem}: left out"));
+            Err(DeckError { problem: problem @ Problem::NotFollowed { .. }, line, card: name, .. }) => {
+                self.model.leave_out(card.file, line as u32, format!("{name} constrains, but {problem}: left out"));
+                let coupled = self.coupling.as_ref().and_then(|coupling| coupling.nodes(&self.definitions).ok());
+                unread::claim_named(card, coupled.unwrap_or_default(), &mut self.model, &self.definitions);
                 Ok(())
             }
             other => other,
@@ -310,7 +312,7 @@ impl CalculixReader {
             let only = ties.first().filter(|_| ties.len() == 1);
             if let Some(tie) = named.or(only) {
                 let result = cyclic::read(&card, tie, &mut self.model, &self.definitions);
-                self.or_left_out(result, card.file)?;
+                self.or_left_out(result, &card)?;
             } else {
                 let text =
                     "*CYCLIC SYMMETRY MODEL constrains, but no *TIE with CYCLIC SYMMETRY belongs to it: left out";
