@@ -47,7 +47,7 @@ pub struct DeckDefinitions {
     elements: OnceCell<Result<MeshElements, Problem>>,
     locals: OnceCell<Result<LocalAxes, Problem>>,
     /// For each node, the shapes of its elements that ccx expands into solids.
-    expanded: OnceCell<FxHashMap<u32, Vec<ElementShape>>>,
+    pub(super) expanded: OnceCell<FxHashMap<u32, Vec<ElementShape>>>,
     /// Positions of the nodes that the solver makes.
     made: RefCell<FxHashMap<u32, Vector>>,
     /// Whether a step is geometrically nonlinear.
@@ -314,39 +314,6 @@ impl DeckDefinitions {
             Some(Err(problem)) => Err(problem.clone()),
             None => Ok(BASIC_AXES),
         }
-    }
-
-    /// Whether a node belongs to an element whose nodes have rotations.
-    pub fn rotates(&self, node: u32) -> bool {
-        self.expanded_at(node).iter().any(|shape| shape.rotates)
-    }
-
-    /// Whether a node belongs to a plane element, and so has no third component.
-    pub fn is_plane(&self, node: u32) -> bool {
-        self.expanded_at(node).iter().any(ElementShape::is_plane)
-    }
-
-    /// Shapes of those elements at a node that ccx expands into solids. All elements with rotations are among them.
-    pub fn expanded_at(&self, node: u32) -> &[ElementShape] {
-        let find = || {
-            let mut all: FxHashMap<u32, Vec<ElementShape>> = FxHashMap::default();
-            let shape = |block: &ElementDefinition| ElementShape::from_type(&block.kind);
-            let mut fields = Vec::new();
-            for block in self.blocks.iter().filter(|block| shape(block).is_expanded()) {
-                // The visitor cannot fail.
-                _ = block.each_element(&mut fields, |fields| {
-                    for node in fields.iter().skip(1).filter_map(|field| self.node(block.scope, field).ok()) {
-                        let shapes = all.entry(node).or_default();
-                        if shapes.last() != Some(&shape(block)) {
-                            shapes.push(shape(block));
-                        }
-                    }
-                    Ok(())
-                });
-            }
-            all
-        };
-        self.expanded.get_or_init(find).get(&node).map_or(&[], Vec::as_slice)
     }
 }
 

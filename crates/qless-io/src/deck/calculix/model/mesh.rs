@@ -1,8 +1,10 @@
-//! Parses the text of `*ELEMENT` and `*SURFACE` cards.
+//! Parses the text of `*ELEMENT` and `*SURFACE` cards, and finds the elements at a node.
+
+use rustc_hash::FxHashMap;
 
 use crate::deck::Problem;
 use crate::deck::calculix::model::elements::{ElementShape, MeshElements};
-use crate::deck::calculix::model::{DeckDefinitions, folded};
+use crate::deck::calculix::model::{DeckDefinitions, ElementDefinition, folded};
 use crate::deck::calculix::syntax::{DataLines, Scope, fold_name, number};
 use crate::fault::quote;
 
@@ -28,6 +30,39 @@ impl DeckDefinitions {
             })?;
         }
         Ok(elements)
+    }
+
+    /// Whether a node belongs to an element whose nodes have rotations.
+    pub fn rotates(&self, node: u32) -> bool {
+        self.expanded_at(node).iter().any(|shape| shape.rotates)
+    }
+
+    /// Whether a node belongs to a plane element, and so has no third component.
+    pub fn is_plane(&self, node: u32) -> bool {
+        self.expanded_at(node).iter().any(ElementShape::is_plane)
+    }
+
+    /// Shapes of those elements at a node that ccx expands into solids. All elements with rotations are among them.
+    pub fn expanded_at(&self, node: u32) -> &[ElementShape] {
+        let find = || {
+            let mut all: FxHashMap<u32, Vec<ElementShape>> = FxHashMap::default();
+            let shape = |block: &ElementDefinition| ElementShape::from_type(&block.kind);
+            let mut fields = Vec::new();
+            for block in self.blocks.iter().filter(|block| shape(block).is_expanded()) {
+                // The visitor cannot fail.
+                _ = block.each_element(&mut fields, |fields| {
+                    for node in fields.iter().skip(1).filter_map(|field| self.node(block.scope, field).ok()) {
+                        let shapes = all.entry(node).or_default();
+                        if shapes.last() != Some(&shape(block)) {
+                            shapes.push(shape(block));
+                        }
+                    }
+                    Ok(())
+                });
+            }
+            all
+        };
+        self.expanded.get_or_init(find).get(&node).map_or(&[], Vec::as_slice)
     }
 }
 
