@@ -76,7 +76,7 @@ impl DeckDefinitions {
             let axis = fields.next().unwrap_or_default();
             let angle = fields.next().filter(|field| !field.is_empty()).map_or(Ok(0.0), float)?;
             if let Some(axis) = self.turned_axis(axis)?.filter(|_| angle != 0.0) {
-                self.turn(&mut frame, axis, angle)?;
+                Self::turn(&mut frame, axis, angle)?;
             }
         }
         Ok(frame)
@@ -94,14 +94,10 @@ impl DeckDefinitions {
     }
 
     /// Turns rectangular axes about one of them by an angle in degrees.
-    fn turn(&self, frame: &mut Frame, axis: usize, angle: f64) -> Result<(), Problem> {
+    fn turn(frame: &mut Frame, axis: usize, angle: f64) -> Result<(), Problem> {
         if frame.kind != FrameKind::Rectangular {
-            let what = "cylindrical axes with an additional rotation";
-            return Err(if self.is_abaqus {
-                Problem::NotFollowed { what: what.into() }
-            } else {
-                Problem::Degenerate { what: format!("ccx stops at {what}") }
-            });
+            let what = "cylindrical axes with an additional rotation (where ccx stops)".into();
+            return Err(Problem::NotFollowed { what });
         }
         let (sin, cos) = angle.to_radians().sin_cos();
         let [j, k] = [(axis + 1) % 3, (axis + 2) % 3];
