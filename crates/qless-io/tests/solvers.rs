@@ -53,7 +53,10 @@ fn nastran_and_optistruct() {
         assert_eq!(of(Solver::Nastran, &format!("{mpc}{cards}")), Outcome::Refused);
         assert_eq!(of(Solver::Optistruct, &format!("{mpc}{cards}")), optistruct);
     }
-    assert_eq!(of(Solver::Optistruct, "RBE2,9,1,2,3\nSPC1,1,2,3\nMPC,2,3,3,1.,2,3,-1.\n"), Outcome::Accepted);
+    let body = "RBE2,9,1,2,3\nSPC1,1,2,3\nMPC,2,3,3,1.,2,3,-1.\n";
+    assert_eq!(of(Solver::Optistruct, body), Outcome::Accepted);
+    assert_eq!(of(Solver::Optistruct, &format!("PARAM,AUTOMSET,YES\n{body}")), Outcome::Accepted);
+    assert_eq!(of(Solver::Optistruct, &format!("PARAM,AUTOMSET,NO\n{body}")), Outcome::Refused);
 }
 
 #[test]

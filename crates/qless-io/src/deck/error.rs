@@ -78,6 +78,12 @@ pub enum Problem {
         /// The name of the parameter.
         name: &'static str,
     },
+    /// The card needs something that this reader does not know how to follow; a reader leaves the card out.
+    #[error("it needs {what}, which this reader does not follow")]
+    NotFollowed {
+        /// What the card needs, such as "spherical axes".
+        what: String,
+    },
     /// The geometry is degenerate, for example if a plane passes through three nodes on a line.
     #[error("{what}; correct the coordinates or the nodes")]
     Degenerate {

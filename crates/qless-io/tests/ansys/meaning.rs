@@ -105,6 +105,40 @@ fn selections_of_all() {
     }
 }
 
+/// A command reaches the nodes that its component has, and that are defined, where the command stands.
+#[test]
+fn later_definitions_do_not_change_a_command() {
+    let values = |text: &str| prescribed(&deck(&format!("N,1\n{text}")), 0);
+    let again = "N,2\nNSEL,S,NODE,,1\nCM,G,NODE\nD,G,UX,5\nNSEL,S,NODE,,2\nCM,G,NODE\n";
+    assert_eq!(values(again), ["1:1 5"]);
+    assert_eq!(
+        values("N,2\nCMBLOCK,G,NODE,1\n(8i10)\n         1\nD,G,UX,5\nCMBLOCK,G,NODE,1\n(8i10)\n         2\n"),
+        ["1:1 5"]
+    );
+    assert_eq!(values("D,ALL,UX\nN,2\nCE,1,0,1,UX,1,2,UX,1\n"), ["1:1 0"]);
+    assert_eq!(values("D,1,UX,0,,9\nN,2\n"), ["1:1 0"]);
+    assert_eq!(values("D,ALL,UX\nN,2\nN,1\nD,ALL,UX,3\n"), ["1:1 3", "2:1 3"]);
+    // What is defined is selected.
+    assert_eq!(values("N,2\nNSEL,S,NODE,,2\nN,3\nD,ALL,UX\n"), ["2:1 0", "3:1 0"]);
+}
+
+#[test]
+fn deletions_respect_the_selection() {
+    let text = "N,1\nN,2\nN,3\nN,4\nCE,1,0,1,UX,1,2,UX,1\nCE,2,0,2,UX,1,3,UX,1\nCE,3,0,3,UX,1,4,UX,1\nCP,1,UY,1,2\nCP,2,UY,2,3\nCP,3,UY,3,4\n";
+    let left = |selection: &str, deletions: &str| {
+        let deck = deck(&format!("{text}{selection}\n{deletions}\n"));
+        let first = |text: &String| text.chars().next().expect("a node");
+        (equations(&deck).iter().map(first).collect::<String>(), deck.model().left_out().count())
+    };
+    let two = "NSEL,S,NODE,,1,2";
+    assert_eq!(left(two, "CEDELE,ALL\nCPDELE,ALL"), ("34".into(), 0));
+    assert_eq!(left(two, "CEDELE,ALL,,,ANY\nCPDELE,1,3"), ("34".into(), 0));
+    assert_eq!(left(two, "CEDELE,ALL,,,ALL\nCPDELE,ALL,,,ALL"), ("2334".into(), 0));
+    assert_eq!(left("NSEL,NONE", "CEDELE,ALL"), ("123234".into(), 0));
+    assert_eq!(left("NSEL,S,LOC,X,0", "CEDELE,ALL\nCPDELE,2"), ("24".into(), 2));
+    assert_eq!(left("NSEL,S,LOC,X,0\nALLSEL", "CEDELE,ALL\nCPDELE,2"), ("24".into(), 0));
+}
+
 #[test]
 fn load_steps() {
     let deck = deck("CE,1,0,1,UX,1,2,UX,1\nD,1,UX,1\nF,2,FX,10\nSOLVE\nDDELE,1,UX\nD,2,UX,2\nFDELE,2,ALL\nsolve\n");

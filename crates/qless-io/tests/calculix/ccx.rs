@@ -82,6 +82,7 @@ fn every_step_holds_in_ccx_what_the_model_says() {
         ("*BOUNDARY\n5,3,3,.1\n", vec!["*BOUNDARY\n5,3,3,.3\n", "*BOUNDARY\n5,3,3,.4\n"]),
         (tied, vec![load, "*EQUATION, REMOVE\n5,3\n", "*BOUNDARY\n5,1\n"]),
         (tied, vec![load, "*EQUATION, REMOVE ALL\n"]),
+        (&tied.replace('*', " \t*"), vec![" *CLOAD\n5,3,1.\n  ** a comment\n  *BOUNDARY\n6,3,3,.2\n"]),
         (
             "*COUPLING, REF NODE=9, SURFACE=STOP, CONSTRAINT NAME=C\n*DISTRIBUTING\n1,3\n*BOUNDARY\n9,3,3,.1\n",
             vec![load],
@@ -160,7 +161,10 @@ fn a_kinematic_coupling_acts_along_its_orientation_or_the_basic_axes_in_ccx() {
     let turned = format!("*NSET, NSET=NT\n6\n*TRANSFORM, NSET=NT, TYPE=R\n{axes}");
     let oriented = format!("*ORIENTATION, NAME=O\n{axes}");
     // The second line turns the axes further, about one of them, by an angle in degrees.
-    let further = ["3,90.", "1,30.", "2,-20."].map(|line| format!("{oriented}{line}\n"));
+    let mut further = ["3,90.", "1,30.", "2,-20.", ",90.", "4,90."].map(|line| format!("{oriented}{line}\n")).to_vec();
+    // ccx knows no origin c, and takes all axes but cylindrical ones as rectangular.
+    further.push(oriented.replace("0.\n", "0.,1.,2.,3.\n"));
+    further.extend(["SPHERICAL", "Z RECTANGULAR"].map(|kind| oriented.replace("=O", &format!("=O, SYSTEM={kind}"))));
     for transform in ["", turned.as_str()] {
         let orientations = further.iter().chain([&oriented]).map(|card| (card.as_str(), ", ORIENTATION=O"));
         for (orientation, parameter) in orientations.chain([("", "")]) {

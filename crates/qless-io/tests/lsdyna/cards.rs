@@ -144,7 +144,7 @@ fn ties_follow_the_nearest_point_of_a_segment() {
 fn supports_and_motions() {
     let model = cube(
         "*BOUNDARY_SPC_NODE\n         1         0         1         0         1\n2,9,1,1,1\n\
-         *BOUNDARY_SPC_SET_ID\n1 corner\n4,0,0,0,0,0,0,1\n*BOUNDARY_SPC_NODE_BIRTH_DEATH\n3,0,1\n0.,1.\n\
+         *BOUNDARY_SPC_SET_ID\n1 corner\n4,0,0,0,0,0,0,1\n*BOUNDARY_SPC_NODE_BIRTH_DEATH\n3,0,1\n0.,1e20\n\
          *BOUNDARY_PRESCRIBED_MOTION_NODE_ID\n8 pull\n20,3,2,17,2.5\n*BOUNDARY_PRESCRIBED_MOTION_SET\n3,1,0,17\n4,5,0,17,0.\n",
     );
     let expected = "1:1=0 1:3=0 2:1=0 2:2=0 2:3=0 3:1=0 5:1=1 6:1=1 7:1=1 8:1=1";
@@ -152,11 +152,104 @@ fn supports_and_motions() {
     assert!(found.starts_with(expected), "{found}");
     assert!(prescribed(&model).contains(&"20:3=2.5 displacement curve 17".to_owned()));
     assert!(found.contains("11:4=0 11:6=0"), "{found}");
-    let body = cube(&format!("{RIGID}*BOUNDARY_PRESCRIBED_MOTION_RIGID\n1,2,2,3,0.1\n2,3,2,3,0.1,0,9.,1.\n"));
+    let body = cube(&format!("{RIGID}*BOUNDARY_PRESCRIBED_MOTION_RIGID\n1,2,2,3,0.1\n2,3,2,3,0.1,0,1.E+28\n"));
     let moved: Vec<String> = prescribed(&body).into_iter().filter(|given| given.contains("curve")).collect();
-    assert_eq!(moved, ["body 1:2=0.1 displacement curve 3", "body 2:3=0.1 displacement curve 3 from 1 to 9"]);
+    assert_eq!(moved, ["body 1:2=0.1 displacement curve 3", "body 2:3=0.1 displacement curve 3"]);
     let other = cube("*BOUNDARY_PRESCRIBED_MOTION_NODE\n20,4,2,1,1.,2\n20,1,4,1\n\n*BOUNDARY_SPC_NODE\n20,3,1\n");
     assert_eq!((prescribed(&other).len(), left_out(&other).len()), (0, 2));
+}
+
+/// All cards hold at all times here, and in all cases.
+#[test]
+fn values_for_a_part_of_the_time_are_left_out() {
+    for cards in [
+        "*BOUNDARY_SPC_NODE_BIRTH_DEATH\n3,0,1\n0.,1.\n",
+        "*BOUNDARY_SPC_SET_BIRTH_DEATH\n3,0,1\n1.\n",
+        "*BOUNDARY_PRESCRIBED_MOTION_NODE\n20,3,2,17,2.5,0,9.\n",
+        "*BOUNDARY_PRESCRIBED_MOTION_NODE\n20,3,2,17,0.,0,0.,1.\n",
+    ] {
+        let read = cube(cards);
+        assert_eq!((prescribed(&read).len(), left_out(&read).len()), (0, 1), "{cards}");
+        assert!(left_out(&read)[0].contains("holds only from time"), "{:?}", left_out(&read));
+    }
+    let cases = cube("*CASE\n1\n*CASE_BEGIN_1\n*BOUNDARY_SPC_NODE\n3,0,1\n*CASE_END_1\n*BOUNDARY_SPC_NODE\n3,0,0,1\n");
+    assert_eq!(prescribed(&cases), ["3:2=0"]);
+    assert_eq!(
+        left_out(&cases),
+        [format!(
+            "line {}: *CASE_BEGIN_1 begins cards of one case, which this reader does not follow: left out",
+            first_line() + 2
+        )]
+    );
+}
+
+#[test]
+fn local_directions_and_boxes_are_left_out() {
+    let mean = |fields: &str| {
+        left_out(&cube(&format!("*CONSTRAINED_INTERPOLATION\n1,22,{fields}\n5,123\n6,123\n7,123\n"))).len()
+    };
+    assert_eq!([mean("1,0"), mean("1,5"), mean("123,5"), mean("1236,5"), mean("123456,5")], [0, 1, 0, 1, 0]);
+    let tied = |fields: &str| {
+        let read = cube(&format!("*CONTACT_TIED_NODES_TO_SURFACE\n4,5,4,0{fields}\n\n\n"));
+        (read.equations(), left_out(&read).len())
+    };
+    assert_eq!([tied(""), tied(",9"), tied(",0,9")], [(12, 0), (0, 1), (0, 1)]);
+}
+
+#[test]
+fn options_of_parts() {
+    let body = |part: &str| {
+        let read = cube(&format!("*MAT_RIGID\n5,1.,1.,.3\n{part}"));
+        (read.equations(), left_out(&read))
+    };
+    assert_eq!(body("*PART\n\n1,1,5\n"), (24, vec![]));
+    assert_eq!(body("*PART_ATTACHMENT_NODES\n\n1,1,5\n3\n"), (24, vec![]));
+    assert_eq!(body("*PART_COMPOSITE\n\n2,2,5\n"), (0, vec![]));
+    let why = "*PART_FIELD may define rigid parts in a way that is not understood: left out";
+    assert_eq!(body("*PART_FIELD\n\n1,1,5\n"), (0, vec![format!("line {}: {why}", first_line() + 2)]));
+}
+
+/// The conditions of the first body hold for both.
+#[test]
+fn conditions_of_merged_bodies_are_left_out() {
+    let merged = cube(&format!(
+        "{RIGID}*CONSTRAINED_RIGID_BODIES\n1,2\n*BOUNDARY_PRESCRIBED_MOTION_RIGID\n2,1,2,3,0.1\n1,2,2,3,0.1\n"
+    ));
+    let moved: Vec<String> = prescribed(&merged).into_iter().filter(|given| given.contains("curve")).collect();
+    assert_eq!(moved, ["body 1:2=0.1 displacement curve 3"]);
+    assert!(
+        left_out(&merged).iter().any(|text| text.contains("holds a body that is merged into another")),
+        "{:?}",
+        left_out(&merged)
+    );
+}
+
+#[test]
+fn parameters_are_followed_or_said() {
+    let with = |parameters: &str| {
+        let read = cube(&format!("{parameters}*CONSTRAINED_LINEAR_GLOBAL\n1\n1,1,1.\n2,1,&A\n"));
+        (equations(&read), left_out(&read).len(), read.warnings().len())
+    };
+    let is = |value: &str| (vec![format!("1 1:1 {value} 2:1")], 0, 0);
+    let unknown = (vec![], 1, 1);
+    assert_eq!(with("*PARAMETER\nR A       -1.\n"), is("-1"));
+    // An expression takes the rest of the line.
+    assert_eq!(with("*PARAMETER_EXPRESSION\nR A       -1.25000000000\n"), is("-1.25"));
+    assert_eq!(with("*PARAMETER_EXPRESSION\nR A,-1.25000000000\n"), is("-1.25"));
+    assert_eq!(with("*PARAMETER_EXPRESSION\nR A       0.12345678*10\n"), unknown);
+    assert_eq!(with("*PARAMETER_EXPRESSION\nR A       max(2,3)\n"), unknown);
+    // The first of two definitions counts, unless the deck says otherwise.
+    let twice = "*PARAMETER\nR A       -1.\n*PARAMETER\nR A       5.\n";
+    assert_eq!(with(twice), (vec!["1 1:1 -1 2:1".into()], 0, 1));
+    assert_eq!(with(&twice.replace("5.", "-1.")), is("-1"));
+    for changed in [
+        format!("*PARAMETER_DUPLICATION\n2\n{twice}"),
+        twice.replace("*PARAMETER", "*PARAMETER_LOCAL"),
+        twice.replacen("*PARAMETER", "*PARAMETER_MUTABLE", 1),
+    ] {
+        assert_eq!(with(&changed), unknown, "{changed}");
+    }
+    assert_eq!(with(&format!("*PARAMETER_DUPLICATION\n1\n{twice}")).0, is("-1").0);
 }
 
 #[test]

@@ -37,7 +37,10 @@ fn faults_name_file_line_card_and_field() {
     assert!(parsed_with(folder, &[("parts/a.k", "*NODE\n1,0.,0.,0.\n")]).is_ok());
     let expression = "*KEYWORD\n*PARAMETER_EXPRESSION\nR x,2*y\n*NODE\n1,&x,0.,0.\n";
     let message = parsed_with(expression, &[]).expect_err("an expression").to_string();
-    assert!(message.contains("field 2: `2*y` is no usable number"), "{message}");
+    assert!(
+        message.contains("field 2: it needs the value of the parameter x, which this reader does not follow"),
+        "{message}"
+    );
     let circle =
         parsed_with("*KEYWORD\n*INCLUDE\na.k\n", &[("a.k", "*INCLUDE\na.k\n")]).expect_err("a circle").to_string();
     assert!(circle.contains("the depth of includes exceeds the limit"), "{circle}");

@@ -1,6 +1,6 @@
 //! Which sets hold in which load case.
 
-use super::given::{equations, model, parsed, prescribed, warnings};
+use super::given::{equations, model, parsed, prescribed, refusals, warnings};
 
 const BULK: &str = "BEGIN BULK
 GRDSET,,,,,,,6
@@ -79,6 +79,22 @@ fn bulk_data_alone_have_their_only_sets() {
     assert_eq!(warnings(&several), ["line 3: MPC sets that no subcase selects are left out: 3, 4 (2 entries)"]);
     let union = model("GRID,1\nGRID,2\nMPC,3,1,1,1.,2,1,-1.\nMPC,4,1,2,1.,2,2,-1.\nMPCADD,6,3,4\n");
     assert_eq!(union.equations(), 2);
+    let said = "line 3: the deck has no case control: MPC set 6, which unites all others, is used";
+    assert_eq!(warnings(&union), [said]);
+}
+
+/// By the manuals, a component with an enforced value must be on a selected `SPC` or `SPC1`, or be held by its `GRID`.
+#[test]
+fn enforced_values_need_a_support() {
+    let with = |support: &str| {
+        let text = format!(
+            "CEND\nSPC = 1\nSUBCASE 1\nLOAD = 7\nSUBCASE 2\nLOAD = 7\nBEGIN BULK\nGRID,1,,0.,0.,0.,,{support}\nGRID,2\nSPCD,7,1,1,5.\n"
+        );
+        refusals(&model(&text))
+    };
+    let said = "line 11: SPCD 7 enforces 1:1, which no selected SPC or SPC1 card names: name it there";
+    assert_eq!(with("\nSPC1,1,2,1"), [said]);
+    assert_eq!((with("\nSPC1,1,12,1"), with("1")), (vec![], vec![]));
 }
 
 #[test]

@@ -6,6 +6,7 @@ use super::commands::coupled::CoupledSet;
 use super::commands::equations::{CeEquation, CeEquations, NodeRegion};
 use super::commands::numbering::StartsAt;
 use super::model::events::{EquationLife, cases};
+use super::model::nodes::NodeGroup;
 use super::reader::{AnsysReader, CommandOwner};
 use super::syntax::archive::DofCoefficient;
 use crate::deck::{CardName, Deck, DeckError, Dof, Model, Origin, Problem, Sources};
@@ -31,7 +32,7 @@ pub fn positions(deck: &Deck) -> HashMap<u32, [f64; 3]> {
 pub fn node_sets(deck: &Deck) -> HashMap<String, Vec<u32>> {
     let reader = deck.again(|sources| AnsysReader::with_positions(sources.path(0), &sources.text(0)));
     let groups = reader.map(|reader| reader.nodes.groups).unwrap_or_default();
-    let nodes = |ranges: Vec<(u32, u32)>| ranges.into_iter().flat_map(|(first, last)| first..=last).collect();
+    let nodes = |ranges: NodeGroup| ranges.iter().flat_map(|&(first, last)| first..=last).collect();
     groups.into_iter().map(|(name, ranges)| (name, nodes(ranges))).collect()
 }
 

@@ -25,18 +25,11 @@ use std::collections::HashMap;
 
 use crate::deck::{Deck, DeckError};
 use model::definitions::DeckDefinitions;
-use syntax::card::{KeywordCard, Scope};
-use syntax::walk::walk;
+use syntax::card::Scope;
 
 /// Reads the definitions of a deck again from its text.
 fn definitions(deck: &Deck) -> Result<DeckDefinitions, DeckError> {
-    let mut definitions = DeckDefinitions::default();
-    let mut note = |card: &KeywordCard| {
-        definitions.note(card);
-        Ok(())
-    };
-    deck.again(|sources| walk(sources, &mut note))?;
-    Ok(definitions)
+    deck.again(|sources| DeckDefinitions::read(sources, |_| {}))
 }
 
 /// Positions of the nodes of a deck; empty if they cannot be read.

@@ -17,27 +17,26 @@ use crate::deck::{DeckError, Dof, Load, LoadCase, Model, Prescribed, Problem, So
 /// # Errors
 /// [`DeckError`].
 pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
-    let (mut definitions, mut has_mpc) = (DeckDefinitions::default(), false);
-    walk(sources, &mut |card: &KeywordCard| {
-        definitions.note(card);
-        has_mpc |= mpc::is_nonlinear(card);
-        Ok(())
-    })?;
+    let mut has_mpc = false;
+    let mut definitions = DeckDefinitions::read(sources, |card| has_mpc |= mpc::is_nonlinear(card))?;
     definitions.check_nodes().map_err(|(line, (field, problem))| {
         let (path, line) = (sources.paths()[line.file as usize].clone(), line.number as usize);
         DeckError { path, line, card: "*NODE".into(), field, problem }
     })?;
-    if !definitions.instances.is_empty() {
-        // Only Abaqus has instances of parts.
-        sources.set_solver(Solver::Abaqus);
-    }
     // In ccx, some types of `*MPC` make all steps nonlinear.
     definitions.is_nonlinear |= has_mpc && sources.solver() == Solver::Ccx;
     let mut reader = CalculixReader::new(sources, definitions)?;
     if reader.solver == Solver::Ccx {
         refused::byte_order_marks(sources, &mut reader.model);
     }
-    walk(sources, &mut |card: &KeywordCard| reader.card(card))?;
+    for (file, line, what) in std::mem::take(&mut reader.definitions.not_followed) {
+        let text = format!("{what}, which this reader does not follow: constraints that depend on it are left out");
+        reader.model.leave_out(file, line, text);
+    }
+    walk(sources, &mut |card: &KeywordCard| {
+        let result = reader.card(card);
+        reader.or_left_out(result, card)
+    })?;
     reader.finish()
 }
 
@@ -67,7 +66,12 @@ struct CalculixReader {
     /// Whether a `*BOUNDARY` card has occurred in the current step. Before the first step: whether any has occurred.
     has_boundary: bool,
     in_step: bool,
+    /// The values, contradictions and loads that return after a perturbation step.
+    base: Option<BaseState>,
 }
+
+/// Prescribed values with their steps, contradictions and loads.
+type BaseState = (BTreeMap<Dof, (Prescribed, usize)>, Vec<Prescribed>, Vec<Load>);
 
 impl CalculixReader {
     fn new(sources: &Sources, definitions: DeckDefinitions) -> Result<Self, DeckError> {
@@ -93,7 +97,21 @@ impl CalculixReader {
             steps: 0,
             has_boundary: false,
             in_step: false,
+            base: None,
         })
+    }
+
+    /// Leaves out a card that needs what this reader does not follow. All other errors stay.
+    fn or_left_out(&mut self, result: Result<(), DeckError>, card: &KeywordCard) -> Result<(), DeckError> {
+        match result {
+            Err(DeckError { problem: problem @ Problem::NotFollowed { .. }, line, card: name, .. }) => {
+                self.model.leave_out(card.file, line as u32, format!("{name} constrains, but {problem}: left out"));
+                let coupled = self.coupling.as_ref().and_then(|coupling| coupling.nodes(&self.definitions).ok());
+                unread::claim_named(card, coupled.unwrap_or_default(), &mut self.model, &self.definitions);
+                Ok(())
+            }
+            other => other,
+        }
     }
 
     fn card(&mut self, card: &KeywordCard) -> Result<(), DeckError> {
@@ -139,8 +157,18 @@ impl CalculixReader {
             b"*STEP" => {
                 self.cyclic_symmetry()?;
                 (self.steps, self.in_step, self.has_boundary) = (self.steps + 1, true, false);
+                if card.parameter("PERTURBATION").is_some() {
+                    self.perturb();
+                }
             }
             b"*ENDSTEP" => self.end_step(),
+            b"*FREQUENCY"
+            | b"*BUCKLE"
+            | b"*COMPLEXFREQUENCY"
+            | b"*MODALDYNAMIC"
+            | b"*STEADYSTATEDYNAMICS"
+            | b"*RANDOMRESPONSE"
+            | b"*RESPONSESPECTRUM" => self.perturb(),
             b"*CYCLICSYMMETRYMODEL" => self.sectors.push(card.clone()),
             _ => unread::read(card, &mut self.model, &self.definitions),
         }
@@ -179,13 +207,34 @@ impl CalculixReader {
         Ok(())
     }
 
+    /// Begins a perturbation step of Abaqus: what is prescribed before stays at its value, so that its perturbation is zero, and loads do not
+    /// act. Later steps continue from the state before.
+    fn perturb(&mut self) {
+        if self.solver != Solver::Abaqus || !self.in_step || self.base.is_some() {
+            return;
+        }
+        let (clashes, loads) = (std::mem::take(&mut self.clashes), std::mem::take(&mut self.loads));
+        self.base = Some((self.prescribed.clone(), clashes, loads));
+        for (given, _) in self.prescribed.values_mut() {
+            (given.value, given.history) = (0.0, 0);
+        }
+    }
+
     /// Reads `*BOUNDARY`. A value replaces one of an earlier step. Different values in the same step contradict each other.
     fn boundary(&mut self, card: &KeywordCard) -> Result<(), DeckError> {
+        if card.word("LOADCASE").is_some_and(|case| case != "1") || card.parameter("IMAGINARY").is_some() {
+            let text =
+                "*BOUNDARY of a second load case or of imaginary parts, which this reader does not follow: left out";
+            self.model.leave_out(card.file, card.line, text);
+            return Ok(());
+        }
         let is_first = !std::mem::replace(&mut self.has_boundary, true);
+        let rate = card.word("TYPE").filter(|kind| self.solver == Solver::Abaqus && kind != "DISPLACEMENT");
+        let rate = rate.map(|kind| kind.to_lowercase());
         if card.word("OP").as_deref() == Some("NEW") {
             self.forget(card, is_first);
         }
-        for given in boundary::read(card, &mut self.model, &self.definitions)? {
+        for given in boundary::read(card, &mut self.model, &self.definitions, rate.as_deref())? {
             match self.prescribed.get(&given.dof) {
                 Some((before, step)) if *step == self.steps => {
                     let differs = (before.value, before.history) != (given.value, given.history);
@@ -198,6 +247,10 @@ impl CalculixReader {
                     self.clashes.retain(|clash| clash.dof != given.dof);
                 }
             }
+        }
+        if rate.is_some() && self.steps > 1 {
+            let text = "*BOUNDARY of a rate starts from the displacements that the step before reaches, which this reader does not follow";
+            self.model.leave_out(card.file, card.line, text);
         }
         if is_from_elsewhere(card) {
             let text = "*BOUNDARY: the values are not in the deck; they are taken as 0, so contradictions among them are not detected";
@@ -232,6 +285,9 @@ impl CalculixReader {
             let case = self.case(format!("step {}", self.steps));
             self.model.cases.push(case);
         }
+        if let Some((prescribed, clashes, loads)) = self.base.take() {
+            (self.prescribed, self.clashes, self.loads) = (prescribed, clashes, loads);
+        }
     }
 
     fn case(&self, name: String) -> LoadCase {
@@ -255,7 +311,8 @@ impl CalculixReader {
             let named = ties.iter().find(|tie| name.is_some() && tie.word("NAME") == name);
             let only = ties.first().filter(|_| ties.len() == 1);
             if let Some(tie) = named.or(only) {
-                cyclic::read(&card, tie, &mut self.model, &self.definitions)?;
+                let result = cyclic::read(&card, tie, &mut self.model, &self.definitions);
+                self.or_left_out(result, &card)?;
             } else {
                 let text =
                     "*CYCLIC SYMMETRY MODEL constrains, but no *TIE with CYCLIC SYMMETRY belongs to it: left out";
@@ -313,7 +370,7 @@ impl CalculixReader {
     /// Refuses equations that name undefined nodes. The error names the undefined node with the lowest number, and its first equation.
     fn check_nodes(&self) -> Result<(), DeckError> {
         let defined = self.definitions.node_numbers();
-        if defined.is_empty() || self.definitions.generates_nodes {
+        if defined.is_empty() || self.definitions.has_unknown_nodes() {
             return Ok(());
         }
         let mut used: Vec<u32> = self.model.dofs.iter().map(|dof| dof.node).collect();

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 
 use super::cards::{GroupMeaning, ReadGroup, body, coupling, prescribed, tie, unread};
 use super::model::bodies::DynaDefinitions;
-use super::model::mesh::{DynaMesh, Gap, part_lines};
+use super::model::mesh::{DynaMesh, Gap, has_unknown_option, part_lines};
 use super::syntax::card::{DynaCard, DynaCards};
 use super::syntax::fields::{DynaLine, KeywordFault, Parameters};
-use crate::deck::{DeckError, Dof, LoadCase, Model, Origin, Prescribed, Sources};
+use crate::deck::{DeckError, Dof, LoadCase, Model, Origin, Prescribed, Problem, Sources};
 
 /// Reads a deck.
 ///
@@ -19,6 +19,13 @@ pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
     let mut reader = LsDynaReader::new(sources.paths().to_vec());
     reader.note(&cards)?;
     reader.add_bodies(&cards)?;
+    for (file, line, text) in &cards.remarks {
+        reader.model.warn(*file, *line, text.as_str());
+    }
+    for (keyword, file, line, _) in cards.cases.iter().filter(|case| case.3 > 0) {
+        let text = format!("*{keyword} begins cards of one case, which this reader does not follow: left out");
+        reader.model.leave_out(*file, *line, text);
+    }
     cards.all.iter().try_for_each(|card| reader.card(card, &cards.parameters))?;
     Ok(reader.finish())
 }
@@ -130,6 +137,11 @@ impl LsDynaReader {
     fn card(&mut self, card: &DynaCard, parameters: &Parameters) -> Result<(), DeckError> {
         let (name, _) = card.without(["_ID", "_TITLE"]);
         if name == "PART" || name.starts_with("PART_") {
+            if has_unknown_option(card) && !name.starts_with("PART_MODES") {
+                let text =
+                    format!("*{} may define rigid parts in a way that is not understood: left out", card.keyword);
+                self.model.leave_out(card.file, card.line, text);
+            }
             let parts = part_lines(card, parameters).map_err(|fault| self.error(card, fault))?;
             parts.into_iter().try_for_each(|(line, _)| self.group(card, &[line], body::part).map(|_| ()))?;
         }
@@ -155,6 +167,9 @@ impl LsDynaReader {
                 self.add(card, lines, made);
                 let Some(why) = left_out else { return Ok(true) };
                 (why, "this is left out")
+            }
+            Err(Gap::Fault(KeywordFault { problem: Problem::NotFollowed { what }, .. })) => {
+                (format!("needs {what}, which this reader does not follow"), "left out")
             }
             Err(Gap::Fault(fault)) => return Err(self.error(card, fault)),
             Err(Gap::Unread(why)) => (why, "left out"),
@@ -189,19 +204,34 @@ impl LsDynaReader {
         }
     }
 
-    /// Leaves out translations that are prescribed at a centre of mass if the deck does not give the centre and the body can rotate.
+    /// Leaves out translations that are prescribed at a centre of mass if the deck does not give the centre and the body can rotate, and
+    /// what is prescribed for a body that is merged into another, unless the other has the same rotation: its values hold for both.
     fn check_centres(&mut self) {
-        let is_fixed = |dof| self.prescribed.get(&dof).is_some_and(|given| given.value == 0.0);
+        let given = |dof| self.prescribed.get(&dof).map(|given| (given.value, given.history));
+        let is_fixed = |dof| given(dof).is_some_and(|(value, _)| value == 0.0);
         let turns = |node: &u32| (4..=6).any(|component| !is_fixed(Dof { node: *node, component }));
         let free: BTreeSet<u32> = self.all.without_centre().into_iter().filter(turns).collect();
-        let is_uncertain = |dof: &Dof| dof.component <= 3 && free.contains(&dof.node);
-        let uncertain = self.prescribed.values().filter(|given| is_uncertain(&given.dof));
-        let origins: BTreeSet<(u32, u32)> = uncertain.map(|given| (given.origin.card, given.origin.line)).collect();
-        self.prescribed.retain(|dof, _| !is_uncertain(dof));
-        self.clashes.retain(|given| !is_uncertain(&given.dof));
+        let is_other = |dof: &Dof| {
+            let lead = self.all.merged.get(&dof.node);
+            lead.is_some_and(|&node| dof.component <= 3 || given(Dof { node, ..*dof }) != given(*dof))
+        };
+        let others: BTreeSet<Dof> = self.prescribed.keys().filter(|dof| is_other(dof)).copied().collect();
+        let is_uncertain = |dof: &&Dof| dof.component <= 3 && free.contains(&dof.node) && !others.contains(*dof);
+        let uncertain = self.prescribed.keys().filter(is_uncertain).copied().collect();
+        self.leave_out_values(&others, "holds a body that is merged into another, whose values hold for both");
+        self.leave_out_values(
+            &uncertain,
+            "holds a centre of mass that the deck does not give, of a body that can rotate",
+        );
+    }
+
+    /// Leaves out the prescribed values of these DOFs. The text `why` is a clause.
+    fn leave_out_values(&mut self, dofs: &BTreeSet<Dof>, why: &str) {
+        let left_out = dofs.iter().filter_map(|dof| self.prescribed.remove(dof));
+        let origins: BTreeSet<(u32, u32)> = left_out.map(|given| (given.origin.card, given.origin.line)).collect();
+        self.clashes.retain(|given| !dofs.contains(&given.dof));
         for (card, line) in origins {
             let card = self.model.cards.nth(card);
-            let why = "holds a centre of mass that the deck does not give, of a body that can rotate";
             self.model.leave_out(card.file, line, format!("{} {why}: left out", card.name));
         }
     }

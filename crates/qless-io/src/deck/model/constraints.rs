@@ -98,6 +98,7 @@ pub struct Warning {
 
 /// Properties of a whole deck that affect how a solver behaves.
 #[derive(Clone, Copy, Debug, Default)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a property that stands alone")]
 pub(crate) struct DeckTraits {
     /// Whether some nodes have local axes.
     pub(crate) has_local_axes: bool,
@@ -105,4 +106,6 @@ pub(crate) struct DeckTraits {
     pub(crate) is_nonlinear: bool,
     /// Whether a kinematic coupling has axes of its own (`ORIENTATION`).
     pub(crate) has_oriented_couplings: bool,
+    /// Whether OptiStruct must not choose other dependent DOFs of rigid elements.
+    pub(crate) keeps_dependent: bool,
 }

@@ -5,7 +5,8 @@
 //! - MSC and Simcenter Nastran (Quick Reference Guide): sets of DOFs are mutually exclusive. A dependent DOF that is dependent again or
 //!   constrained is a fatal error (message 2101A).
 //! - MYSTRAN: as MSC Nastran; `tests/nastran/mystran.rs` runs it on every pair of cards.
-//! - OptiStruct (Reference Guide): it may choose other dependent DOFs for rigid elements, because `PARAM,AUTOMSET` defaults to `YES`.
+//! - OptiStruct (Reference Guide): it may choose other dependent DOFs for rigid elements, because `PARAM,AUTOMSET` defaults to `YES`. With
+//!   `NO`, a second claim is a fatal error, as in Nastran.
 //! - ANSYS (Modeling and Meshing Guide: "Coupling and Constraint Equations"): a constraint equation eliminates its first DOF that is in no
 //!   other equation, in no coupled set and not prescribed. A coupled DOF must be in one set only. The verification decks of ANSYS go
 //!   further: they chain `CERIG`, and prescribe a DOF of a coupled set. Both count as accepted.
@@ -48,9 +49,10 @@ pub fn lsdyna_prescribed(kind: CardKind) -> Outcome {
     if kind == CardKind::RigidBody { Outcome::Accepted } else { Outcome::Unsound }
 }
 
-/// What OptiStruct does about a fault of cards of these kinds.
-pub fn optistruct(kinds: &[CardKind]) -> Outcome {
-    if kinds.contains(&CardKind::RigidElement) { Outcome::Accepted } else { Outcome::Refused }
+/// What OptiStruct does about a fault of cards of these kinds. It chooses other dependent DOFs of rigid elements, unless the deck forbids it.
+pub fn optistruct(kinds: &[CardKind], model: &Model) -> Outcome {
+    let chooses = kinds.contains(&CardKind::RigidElement) && !model.traits.keeps_dependent;
+    if chooses { Outcome::Accepted } else { Outcome::Refused }
 }
 
 /// Which equations ANSYS can eliminate.

@@ -121,7 +121,7 @@ impl<'a> Profile<'a> {
             }
             Solver::Abaqus => abaqus_prescribed(kind),
             Solver::Nastran | Solver::Mystran => Outcome::Refused,
-            Solver::Optistruct => optistruct(&[kind]),
+            Solver::Optistruct => optistruct(&[kind], self.model),
             Solver::Ansys if kind == CardKind::CoupledSet => self.coupled(equation),
             Solver::Ansys => self.ansys(&[equation]),
             Solver::LsDyna => lsdyna_prescribed(kind),
@@ -134,7 +134,7 @@ impl<'a> Profile<'a> {
             Solver::Ccx => ccx::twice(kinds[0], kinds[1]),
             Solver::Abaqus => abaqus_twice(kinds[0], kinds[1]),
             Solver::Nastran | Solver::Mystran => Outcome::Refused,
-            Solver::Optistruct => optistruct(&kinds),
+            Solver::Optistruct => optistruct(&kinds, self.model),
             Solver::Ansys => self.ansys(&[first, second]),
             Solver::LsDyna => Outcome::Unsound,
         }

@@ -9,10 +9,10 @@ use std::collections::BTreeSet;
 
 use rustc_hash::FxHashSet;
 
-use super::numbering::{PastVersion, SearchBudget, StartsAt, StepIndex, delete, numbered};
+use super::numbering::{PastVersion, SearchBudget, StartsAt, StepIndex, delete, numbered, uncertain_deletion};
 use crate::deck::ansys::model::nodes::AnsysNodes;
 use crate::deck::ansys::model::numbered::NumberedSets;
-use crate::deck::ansys::model::selection::NodeSelection;
+use crate::deck::ansys::model::selection::{NodeSelection, SelectedNodes};
 use crate::deck::ansys::syntax::command::AnsysCommand;
 use crate::deck::ansys::syntax::field::{FieldFault, component, expected, is_nothing, signed_node, whole};
 use crate::deck::{Dof, Problem};
@@ -99,12 +99,18 @@ impl CoupledSets {
         Ok(Some(number))
     }
 
-    /// Executes `CPDELE, NSET1, NSET2, NINC`, which deletes coupled sets.
-    pub fn delete(&mut self, command: &AnsysCommand) -> Result<(), FieldFault> {
-        if command.is(1, "ALL") {
+    /// Executes `CPDELE, NSET1, NSET2, NINC, Nsel`, which deletes coupled sets with selected nodes.
+    pub fn delete(&mut self, command: &AnsysCommand, selection: &NodeSelection) -> Result<(), FieldFault> {
+        if command.is(1, "ALL") && selection.nodes == SelectedNodes::All {
             self.unknown.clear();
         }
-        delete(command, &mut self.sets, &mut self.past, self.now, &mut self.budget)
+        let items = (&mut self.sets, &mut self.past);
+        let uncertain = delete(command, selection, items, self.now, &mut self.budget, |set| set.nodes.clone())?;
+        if !uncertain.is_empty() {
+            self.doubt = Some(uncertain_deletion(command));
+            self.unknown.extend(uncertain);
+        }
+        Ok(())
     }
 
     /// The highest number of a set so far, also of a set that is left out; 0 if there is none.

@@ -10,8 +10,9 @@
 
 use std::collections::BTreeSet;
 
-use super::numbering::{PastVersion, SearchBudget, StartsAt, StepIndex, delete, numbered};
+use super::numbering::{PastVersion, SearchBudget, StartsAt, StepIndex, delete, numbered, uncertain_deletion};
 use crate::deck::ansys::model::numbered::NumberedSets;
+use crate::deck::ansys::model::selection::{NodeSelection, SelectedNodes};
 use crate::deck::ansys::model::terms::{OwnedTerms, TermStore};
 use crate::deck::ansys::syntax::archive::{ArchiveStatement, DofCoefficient};
 use crate::deck::ansys::syntax::command::AnsysCommand;
@@ -110,14 +111,21 @@ impl CeEquations {
         Ok(number)
     }
 
-    /// Executes `CEDELE, NEQN1, NEQN2, NINC`, which deletes equations.
-    pub fn delete(&mut self, command: &AnsysCommand) -> Result<(), FieldFault> {
-        if command.is(1, "ALL") {
+    /// Executes `CEDELE, NEQN1, NEQN2, NINC, Nsel`, which deletes equations with selected nodes.
+    pub fn delete(&mut self, command: &AnsysCommand, selection: &NodeSelection) -> Result<(), FieldFault> {
+        if command.is(1, "ALL") && selection.nodes == SelectedNodes::All {
             self.unknown.clear();
         } else if whole(command.field(1)).is_some_and(|number| self.is_generated(number)) {
             self.remark_region(whole(command.field(1)).unwrap_or_default());
         }
-        delete(command, &mut self.sets, &mut self.past, self.now, &mut self.budget)
+        let nodes = |equation: &CeEquation| self.terms.iter(&equation.terms).map(|(dof, _)| dof.node).collect();
+        let items = (&mut self.sets, &mut self.past);
+        let uncertain = delete(command, selection, items, self.now, &mut self.budget, nodes)?;
+        if !uncertain.is_empty() {
+            self.doubt = Some(uncertain_deletion(command));
+            self.unknown.extend(uncertain);
+        }
+        Ok(())
     }
 
     /// The highest number of an equation so far, also of an equation that is left out; 0 if there is none.

@@ -2,6 +2,7 @@
 
 use crate::deck::Problem;
 use crate::deck::ansys::model::numbered::NumberedSets;
+use crate::deck::ansys::model::selection::{NodeSelection, SelectedNodes};
 use crate::deck::ansys::syntax::command::AnsysCommand;
 use crate::deck::ansys::syntax::field::{FieldFault, expected, range, whole};
 
@@ -45,31 +46,46 @@ pub trait StartsAt {
     fn from(&self) -> StepIndex;
 }
 
-/// Deletes the numbers `first, last, step` (fields 1 to 3), or `ALL`. Moves versions that held in a load step before `now` to `past`.
+/// Deletes the numbers `first, last, step` (fields 1 to 3), or `ALL`, of items with `ANY` selected node or with `ALL` nodes selected (field
+/// 4). Moves versions that held in a load step before `now` to `past`. Returns the numbers of items that are deleted although it is not
+/// known whether their `nodes` are selected.
 pub fn delete<T: StartsAt>(
     command: &AnsysCommand,
-    sets: &mut NumberedSets<T>,
-    past: &mut Vec<PastVersion<T>>,
+    selection: &NodeSelection,
+    (sets, past): (&mut NumberedSets<T>, &mut Vec<PastVersion<T>>),
     now: StepIndex,
     budget: &mut SearchBudget,
-) -> Result<(), FieldFault> {
+    nodes: impl Fn(&T) -> Vec<u32>,
+) -> Result<Vec<u32>, FieldFault> {
     let (first, last, step) = if command.is(1, "ALL") {
         (1, u32::MAX, 1)
     } else {
         let first = whole(command.field(1)).ok_or_else(|| expected(command, 1, "a number from 1 or ALL"))?;
         range(command, first, 2)?
     };
-    if command.is(1, "ALL") && now == 0 {
+    if command.is(1, "ALL") && now == 0 && selection.nodes == SelectedNodes::All {
         sets.clear();
-        return Ok(());
+        return Ok(Vec::new());
     }
     let numbers = sets.within(first..=last);
     budget.spend(numbers.len()).map_err(|problem| (None, problem))?;
+    let mut uncertain = Vec::new();
     for number in numbers.into_iter().filter(|number| (number - first).is_multiple_of(step)) {
+        match sets.get_mut(number).map(|item| selection.holds(&nodes(item), command.is(4, "ALL"))) {
+            Some(Some(false)) => continue,
+            Some(None) => uncertain.push(number),
+            _ => {}
+        }
         let deleted = sets.remove(number).filter(|value| value.from() < now);
         past.extend(deleted.map(|value| PastVersion { number, last: now - 1, value }));
     }
-    Ok(())
+    Ok(uncertain)
+}
+
+/// The message about a deletion that leaves items out because it is not known whether their nodes are selected.
+pub fn uncertain_deletion(command: &AnsysCommand) -> String {
+    let title = command.title();
+    format!("{title} deletes by the selected nodes, which this reader does not know: what it may delete is left out")
 }
 
 /// The number in field `at`. The field holds a number, `HIGH` or nothing (the `highest` so far, at least 1), or `NEXT` (the one after

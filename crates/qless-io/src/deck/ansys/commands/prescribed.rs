@@ -7,6 +7,8 @@
 //! FDELE, NODE, Lab, NEND, NINC
 //! ```
 
+use std::sync::Arc;
+
 use crate::deck::ansys::model::events::{ComponentList, EventAction, NodeChoice};
 use crate::deck::ansys::model::nodes::{AnsysNodes, group_name};
 use crate::deck::ansys::model::selection::{NodeSelection, SelectedNodes};
@@ -104,10 +106,10 @@ fn node_choice(
         ("ALL", SelectedNodes::Unknown) => "the selected nodes, and this reader does not know which these are",
         ("P", _) => "nodes that the user picks interactively",
         _ if nodes.unknown_groups.contains(&group) => "a component of nodes that this reader does not know",
-        _ if nodes.groups.contains_key(&group) => return Ok(NodeChoice::Group(group.into())),
         _ => {
             const EXPECTED: &str = "the number of a node, ALL, or a component that CMBLOCK defines";
-            return Err(expected(command, 1, EXPECTED).into());
+            let members = nodes.groups.get(&group).ok_or_else(|| expected(command, 1, EXPECTED))?;
+            return Ok(NodeChoice::Group(Arc::clone(members)));
         }
     };
     Err(Rejection::LeftOut(format!("{} names {why}", excerpt(command))))

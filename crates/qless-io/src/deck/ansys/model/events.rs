@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use super::nodes::AnsysNodes;
+use super::nodes::{AnsysNodes, NodeGroup};
 use crate::deck::limits::{HELD, VALUES};
 use crate::deck::{Dof, Load, LoadCase, Model, Origin, Prescribed, Problem};
 
@@ -14,10 +14,21 @@ pub enum NodeChoice {
     Range(u32, u32, u32),
     /// Every node of the model.
     All,
-    /// The nodes of a named group.
-    Group(Box<str>),
+    /// The nodes that a named group has at the command.
+    Group(NodeGroup),
     /// The selected nodes, as ranges of first node, last node and step.
     Ranges(Box<[(u32, u32, u32)]>),
+}
+
+impl NodeChoice {
+    fn ranges(&self) -> Vec<(u32, u32, u32)> {
+        match self {
+            Self::Range(first, last, step) => vec![(*first, *last, *step)],
+            Self::All => vec![(1, u32::MAX, 1)],
+            Self::Ranges(ranges) => ranges.to_vec(),
+            Self::Group(group) => group.iter().map(|&(first, last)| (first, last, 1)).collect(),
+        }
+    }
 }
 
 /// The components to which a command applies, followed by zeros. If all six are zero, it applies to all components.
@@ -44,6 +55,8 @@ pub struct ValueEvent {
     pub action: EventAction,
     pub nodes: NodeChoice,
     pub components: ComponentList,
+    /// Number of definitions of nodes before the command, which does not reach nodes that are defined later.
+    pub defined: usize,
     pub origin: Origin,
 }
 
@@ -77,7 +90,7 @@ pub fn cases(
 ) -> Result<(), (Origin, Problem)> {
     let are_solutions = events.iter().all(|event| matches!(event.action, EventAction::Solve));
     let mut replay =
-        if are_solutions { EventReplay::without_nodes(nodes) } else { EventReplay::new(nodes, others, model) };
+        if are_solutions { EventReplay::without_nodes() } else { EventReplay::new(nodes, events, others, model) };
     replay.lives = lives;
     for event in events {
         let history = match &event.action {
@@ -97,10 +110,11 @@ pub fn cases(
 }
 
 struct EventReplay<'a> {
-    groups: &'a AnsysNodes,
     lives: &'a [EquationLife],
     /// Numbers of all nodes of the model, ascending.
     nodes: Vec<u32>,
+    /// For each of `nodes`, the number of definitions up to its first; 0 if no command defines it. Empty if no node is defined after an event.
+    born: Vec<usize>,
     /// Components that occur in the model, ascending.
     components: Vec<u8>,
     prescribed: BTreeMap<Dof, Prescribed>,
@@ -112,23 +126,30 @@ struct EventReplay<'a> {
     held: usize,
 }
 
-impl<'a> EventReplay<'a> {
-    fn new(groups: &'a AnsysNodes, others: &[Dof], model: &Model) -> Self {
+impl EventReplay<'_> {
+    fn new(defined: &AnsysNodes, events: &[ValueEvent], others: &[Dof], model: &Model) -> Self {
         let dofs = || model.dofs.iter().chain(others);
-        let mut nodes: Vec<u32> = groups.numbers.iter().copied().chain(dofs().map(|dof| dof.node)).collect();
+        let mut nodes: Vec<u32> = defined.numbers.iter().copied().chain(dofs().map(|dof| dof.node)).collect();
         let mut occurs = [false; 256];
         dofs().for_each(|dof| occurs[usize::from(dof.component)] = true);
         let components = (0..=u8::MAX).filter(|&component| occurs[usize::from(component)]).collect();
         nodes.sort_unstable();
         nodes.dedup();
-        Self { nodes, components, ..Self::without_nodes(groups) }
+        let mut born = Vec::new();
+        if events.iter().any(|event| event.defined < defined.numbers.len()) {
+            born.resize(nodes.len(), 0);
+            for (at, number) in defined.numbers.iter().enumerate().rev() {
+                born[nodes.partition_point(|node| node < number)] = at + 1;
+            }
+        }
+        Self { nodes, born, components, ..Self::without_nodes() }
     }
 
     /// Makes a replay for a deck in which no command acts on DOFs. Such a replay needs no list of nodes.
-    fn without_nodes(groups: &'a AnsysNodes) -> Self {
+    fn without_nodes() -> Self {
         let (prescribed, loads) = (BTreeMap::new(), BTreeMap::new());
-        let (nodes, components, cases) = (Vec::new(), Vec::new(), Vec::new());
-        Self { groups, lives: &[], nodes, components, prescribed, loads, cases, budget: VALUES, held: 0 }
+        let (nodes, born, components, cases) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Self { lives: &[], nodes, born, components, prescribed, loads, cases, budget: VALUES, held: 0 }
     }
 
     fn event(&mut self, event: &ValueEvent, history: u32) -> Result<(), Problem> {
@@ -139,12 +160,13 @@ impl<'a> EventReplay<'a> {
         let all = event.has_all_components().then(|| self.components.clone());
         let listed = event.components.iter().take_while(|component| **component != 0).count();
         let components = all.as_deref().unwrap_or(&event.components[..listed]);
-        for (first, last, step) in self.ranges(&event.nodes) {
+        for (first, last, step) in event.nodes.ranges() {
             let nodes = self.members(first, last);
             self.spend(nodes.len().saturating_mul(components.len()).saturating_add(1))?;
             for at in nodes {
                 let node = self.nodes[at];
-                if (node - first).is_multiple_of(step) {
+                let is_later = self.born.get(at).is_some_and(|born| *born > event.defined);
+                if (node - first).is_multiple_of(step) && !(is_later && first != last) {
                     self.node(event, history, node, components);
                 }
             }
@@ -163,18 +185,6 @@ impl<'a> EventReplay<'a> {
         }
         let advice = "make a deck for each load step, or prescribe fewer nodes";
         Err(Problem::Limit { what: "the number of values in all load steps", limit: HELD, advice })
-    }
-
-    fn ranges(&self, choice: &NodeChoice) -> Vec<(u32, u32, u32)> {
-        match choice {
-            NodeChoice::Range(first, last, step) => vec![(*first, *last, *step)],
-            NodeChoice::All => vec![(1, u32::MAX, 1)],
-            NodeChoice::Ranges(ranges) => ranges.to_vec(),
-            NodeChoice::Group(name) => {
-                let ranges = self.groups.groups.get(&**name).map_or(&[][..], Vec::as_slice);
-                ranges.iter().map(|&(first, last)| (first, last, 1)).collect()
-            }
-        }
     }
 
     /// Indices of the nodes whose numbers lie between `first` and `last`.

@@ -1,5 +1,7 @@
 //! Stores nodes and named groups of nodes, from the commands `NBLOCK`, `N` and `CMBLOCK`.
 
+use std::sync::Arc;
+
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::positions::NodePositions;
@@ -19,7 +21,7 @@ pub struct AnsysNodes {
     /// Nodes whose axes differ from the global axes.
     pub rotated: Vec<u32>,
     /// Named groups as ranges of nodes; names are in capitals.
-    pub groups: FxHashMap<String, Vec<(u32, u32)>>,
+    pub groups: FxHashMap<String, NodeGroup>,
     /// Named groups whose members are not known.
     pub unknown_groups: FxHashSet<String>,
     /// Names of groups of other entities, for example elements.
@@ -29,6 +31,9 @@ pub struct AnsysNodes {
     pub positions: NodePositions,
     block: DataBlock,
 }
+
+/// The members of a group as ranges, shared with the commands that name the group: it may change afterwards.
+pub type NodeGroup = Arc<Vec<(u32, u32)>>;
 
 /// The block that data lines belong to.
 #[derive(Debug, Default)]
@@ -60,7 +65,7 @@ impl AnsysNodes {
         let items = items.ok_or_else(|| expected(command, 3, "the number of items"))?;
         self.unknown_groups.remove(&name);
         self.other_groups.remove(&name);
-        self.groups.insert(name.clone(), Vec::new());
+        self.groups.insert(name.clone(), NodeGroup::default());
         self.block = DataBlock::Group(name, items, None);
         Ok(())
     }
@@ -147,7 +152,7 @@ impl AnsysNodes {
     /// Reads at most `count` members of a group from a line, and returns how many are still to read. A negative number ends the range that
     /// begins with the number before it.
     fn members(&mut self, name: &str, mut count: u32, format: &BlockFormat, line: &[u8]) -> Result<u32, FieldFault> {
-        let group = self.groups.entry(name.to_owned()).or_default();
+        let group = Arc::make_mut(self.groups.entry(name.to_owned()).or_default());
         for (k, text) in format.integers(line).enumerate().filter(|(_, text)| !text.is_empty()) {
             if count == 0 {
                 break;

@@ -6,6 +6,7 @@
 //! ```
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use super::nodes::{AnsysNodes, group_name};
 use crate::deck::ansys::syntax::command::AnsysCommand;
@@ -64,7 +65,8 @@ impl NodeSelection {
             return;
         }
         if command.is(1, "ALL") && nodes.unknown_groups.is_empty() {
-            let all = nodes.groups.values().flatten().map(|&(first, last)| (first, last, 1)).collect();
+            let all =
+                nodes.groups.values().flat_map(|group| group.iter()).map(|&(first, last)| (first, last, 1)).collect();
             return self.select(b"A", Some(all));
         }
         let group = nodes.groups.get(&group_name(command.field(2)));
@@ -88,7 +90,7 @@ impl NodeSelection {
             && ranges.iter().all(|&(first, last, step)| step == 1 || first == last)
         {
             nodes.unknown_groups.remove(&name);
-            nodes.groups.insert(name, ranges.iter().map(|&(first, last, _)| (first, last)).collect());
+            nodes.groups.insert(name, Arc::new(ranges.iter().map(|&(first, last, _)| (first, last)).collect()));
             return;
         }
         nodes.groups.remove(&name);
@@ -112,6 +114,23 @@ impl NodeSelection {
             return None;
         }
         Some(nodes.numbers.iter().copied().filter(is_in).collect())
+    }
+
+    /// Selects a node that a command defines, or nodes that are not known: ANSYS selects what it creates.
+    pub fn define(&mut self, node: Option<u32>) {
+        if let SelectedNodes::Ranges(_) = self.nodes {
+            self.select(b"A", node.map(|node| vec![(node, node, 1)]));
+        }
+    }
+
+    /// Whether any of these nodes is selected, or with `all`, whether all are; `None` if this is not known.
+    pub fn holds(&self, nodes: &[u32], all: bool) -> Option<bool> {
+        let SelectedNodes::Ranges(ranges) = &self.nodes else {
+            return (self.nodes == SelectedNodes::All).then_some(true);
+        };
+        let is_in =
+            |node: &u32| ranges.iter().any(|&(a, b, step)| (a..=b).contains(node) && (node - a).is_multiple_of(step));
+        Some(if all { nodes.iter().all(is_in) } else { nodes.iter().any(is_in) })
     }
 
     fn select(&mut self, kind: &[u8], ranges: Option<Vec<NodeRange>>) {

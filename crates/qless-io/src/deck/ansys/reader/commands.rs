@@ -134,10 +134,15 @@ impl AnsysReader {
             b"NBLO" => {
                 self.archive = self.archive.or(Some("R5.0"));
                 self.nodes.block();
+                self.selection.define(None);
             }
             b"CMBL" => self.nodes.group(command)?,
             b"N   " if self.control.state() == Execution::Unknown => self.nodes.are_generated = true,
-            b"N   " => self.nodes.command(command)?,
+            b"N   " => {
+                let known = self.nodes.numbers.len();
+                self.nodes.command(command)?;
+                self.selection.define(self.nodes.numbers.get(known).copied());
+            }
             _ => self.other(command),
         }
         Ok(())
@@ -185,8 +190,8 @@ impl AnsysReader {
                 .coupled
                 .read(command, &self.nodes, &self.selection)?
                 .map_or(CommandOwner::Other, CommandOwner::Coupled),
-            b"CEDE" => self.equations.delete(command).map(|()| CommandOwner::Other)?,
-            _ => self.coupled.delete(command).map(|()| CommandOwner::Other)?,
+            b"CEDE" => self.equations.delete(command, &self.selection).map(|()| CommandOwner::Other)?,
+            _ => self.coupled.delete(command, &self.selection).map(|()| CommandOwner::Other)?,
         };
         self.place(command, owner);
         let remark = self.equations.remark.take();
@@ -246,6 +251,7 @@ impl AnsysReader {
         };
         let card = self.model.cards.find(name).unwrap_or_else(|| self.model.card(name, 0, command.line));
         let origin = Origin { card, line: command.line, lines: 1 };
-        self.events.push(ValueEvent { action, nodes, components, origin });
+        let defined = self.nodes.numbers.len();
+        self.events.push(ValueEvent { action, nodes, components, defined, origin });
     }
 }

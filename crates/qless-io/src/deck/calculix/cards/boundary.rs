@@ -18,14 +18,16 @@ const SUPPORTS: [(&str, &[u8]); 8] = [
     ("ZASYMM", &[1, 2, 6]),
 ];
 
-/// Reads the prescribed values of a `*BOUNDARY` card, in the order of its lines.
+/// Reads the prescribed values of a `*BOUNDARY` card, in the order of its lines. A `rate` is a velocity or an acceleration: such a value is
+/// one of a time history of its own.
 pub fn read(
     card: &KeywordCard,
     model: &mut Model,
     definitions: &DeckDefinitions,
+    rate: Option<&str>,
 ) -> Result<Vec<Prescribed>, DeckError> {
     let number = model.card("*BOUNDARY", card.file, card.line);
-    let history = history(card, model, definitions)
+    let history = history(card, model, definitions, rate)
         .map_err(|problem| model.error(Origin { card: number, line: card.line, lines: 1 }, None, problem))?;
     let mut prescribed = Vec::new();
     for line in card.lines() {
@@ -41,16 +43,22 @@ pub fn read(
     Ok(prescribed)
 }
 
-/// The time history of a card's values. It is 0, the default of the step, or a named amplitude, possibly delayed.
-fn history(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions) -> Result<u32, Problem> {
-    let Some(amplitude) = card.word("AMPLITUDE") else { return Ok(0) };
-    if !definitions.amplitudes.contains(&amplitude) {
-        return Err(Problem::Undefined { what: "amplitude", name: amplitude });
+/// The time history of a card's values. It is 0, the default of the step, or a named amplitude, possibly delayed, or that of a rate.
+fn history(
+    card: &KeywordCard,
+    model: &mut Model,
+    definitions: &DeckDefinitions,
+    rate: Option<&str>,
+) -> Result<u32, Problem> {
+    let mut words: Vec<String> = rate.map(str::to_owned).into_iter().collect();
+    if let Some(amplitude) = card.word("AMPLITUDE") {
+        if !definitions.amplitudes.contains(&amplitude) {
+            return Err(Problem::Undefined { what: "amplitude", name: amplitude });
+        }
+        words.push(amplitude);
+        words.extend(card.parameter("TIMEDELAY").map(|delay| format!("{delay} later")));
     }
-    Ok(match card.parameter("TIMEDELAY") {
-        Some(delay) => model.history(&format!("{amplitude} {delay} later")),
-        None => model.history(&amplitude),
-    })
+    Ok(if words.is_empty() { 0 } else { model.history(&words.join(" ")) })
 }
 
 /// Reads the DOFs that a `*CLOAD` card loads.

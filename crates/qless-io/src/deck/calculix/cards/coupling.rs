@@ -55,7 +55,7 @@ impl CouplingCard {
     }
 
     /// The coupled nodes: those of the surface within the radius of influence, without the reference.
-    fn nodes(&self, definitions: &DeckDefinitions) -> Result<Vec<u32>, Problem> {
+    pub fn nodes(&self, definitions: &DeckDefinitions) -> Result<Vec<u32>, Problem> {
         let reference = self.reference(definitions)?;
         let mut nodes = DeckSurface::find(definitions, self.scope, &self.surface)?.all_nodes();
         nodes.retain(|&node| node != reference);

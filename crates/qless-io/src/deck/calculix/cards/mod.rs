@@ -17,7 +17,6 @@ pub mod unread;
 
 use crate::deck::calculix::model::DeckDefinitions;
 use crate::deck::calculix::syntax::{KeywordCard, Scope};
-use crate::deck::kinematics::body::Poses;
 use crate::deck::kinematics::vector::{Vector, dot};
 use crate::deck::{DeckError, Dof, Model, Origin, Problem};
 
@@ -72,7 +71,8 @@ impl CardEquation {
     pub fn led_by_none_of(mut self, slaves: &[Dof]) -> Self {
         let own = self.terms[0].0;
         if slaves.contains(&own) {
-            let is_other = |dof: &Dof| dof.node == own.node && dof.component <= 3 && !slaves.contains(dof);
+            let is_like = |dof: &Dof| dof.node == own.node && (dof.component <= 3) == (own.component <= 3);
+            let is_other = |dof: &Dof| is_like(dof) && !slaves.contains(dof);
             let others = self.terms.iter().enumerate().filter(|(_, (dof, _))| is_other(dof));
             let most = others.rev().max_by(|a, b| a.1.1.abs().total_cmp(&b.1.1.abs())).map(|(at, _)| at);
             if let Some(at) = most {
@@ -88,12 +88,6 @@ impl CardEquation {
         self.terms.iter_mut().for_each(|(_, a)| *a /= scale);
         self.rhs /= scale;
     }
-
-    /// The equation `u_a = u_b` for one component of nodes a and b.
-    pub fn equal(a: u32, b: u32, component: u8) -> Self {
-        let dof = |node| Dof { node, component };
-        Self { terms: vec![(dof(a), 1.0), (dof(b), -1.0)], rhs: 0.0 }
-    }
 }
 
 /// The terms of `sum g_k . u_k` over the nodes k with displacements u_k, in the order of the nodes and in the local axes of each node.
@@ -101,7 +95,7 @@ impl CardEquation {
 fn terms(definitions: &DeckDefinitions, gradients: &[(u32, Vector)]) -> Result<Vec<(Dof, f64)>, Problem> {
     let mut terms: Vec<(Dof, f64)> = Vec::with_capacity(3 * gradients.len());
     for &(node, gradient) in gradients {
-        let axes = definitions.pose(node)?.axes;
+        let axes = definitions.axes(node)?;
         let component = |(axis, component): (&Vector, u8)| (Dof { node, component }, dot(*axis, gradient));
         terms.extend(axes.iter().zip(1..).map(component));
     }

@@ -6,7 +6,7 @@
 //! | `STRAIGHT a b k...` | `(x_k - x_a) x (x_b - x_a) = 0` for each k |
 //! | `BEAM a b` | a rigid beam, with the rotations of a if it has them; in CalculiX a constant distance unless both nodes have rotations |
 //! | `LINK a b` | `abs(x_a - x_b)` constant |
-//! | `PIN a b` | `u_a = u_b` |
+//! | `PIN a b` | `u_a = u_b`, in global directions |
 //! | `TIE a b` | `u_a = u_b`, also for rotations if both nodes have them |
 //! | `MEANROT k k k... p` | component 1 of p is the mean rotation of nodes k about the axis along p's coordinates (CalculiX) |
 //! | `DIST a a a b b b c` | `abs(x_a - x_b)` does not exceed the first coordinate of c (CalculiX) |
@@ -17,7 +17,7 @@
 use crate::deck::calculix::cards::mean_rotation;
 use crate::deck::calculix::cards::rigid::{BodyReference, kinematic};
 use crate::deck::calculix::cards::unread::claim;
-use crate::deck::calculix::cards::{CardEquation, RegisteredCard, refused};
+use crate::deck::calculix::cards::{CardEquation, RegisteredCard, refused, tie};
 use crate::deck::calculix::model::{DeckDefinitions, folded};
 use crate::deck::calculix::syntax::KeywordCard;
 use crate::deck::kinematics::vector::{Vector, cross, dot, length, minus, plus, scaled};
@@ -57,10 +57,13 @@ pub fn read(
             "STRAIGHT" => straight(definitions, &nodes),
             "BEAM" => of_pairs(&fields, |a, b| beam(definitions, a, b, solver)),
             "LINK" => of_pairs(&fields, |a, b| Ok(vec![distance(definitions, a, b)?])),
-            "PIN" => of_pairs(&fields, |a, b| Ok((1..=3).map(|c| CardEquation::equal(a, b, c)).collect())),
+            "PIN" => of_pairs(&fields, |a, b| tie::rows(definitions, a, &[b], &[1.0])),
             "TIE" => of_pairs(&fields, |a, b| {
-                let rotate = definitions.rotates(a) && definitions.rotates(b);
-                Ok((1..=if rotate { 6 } else { 3 }).map(|c| CardEquation::equal(a, b, c)).collect())
+                let mut rows = tie::rows(definitions, a, &[b], &[1.0])?;
+                if definitions.rotates(a) && definitions.rotates(b) {
+                    rows.extend(tie::rotations(definitions, a, &[b], &[1.0])?);
+                }
+                Ok(rows)
             }),
             MEAN_ROTATION => mean_rotation::equation(definitions, &nodes).map(|row| vec![row]),
             "DIST" => bound(definitions, &nodes).map(|row| row.into_iter().collect()),

@@ -62,10 +62,22 @@ impl BodyReference {
         Dof { component: self.rotation.component + k as u8, ..self.rotation }
     }
 
-    /// The equation `rotation of a node = rotation of the body` about axis `k`.
-    pub fn rotates_with(&self, node: u32, k: usize) -> CardEquation {
-        let own = Dof { node, component: k as u8 + 4 };
-        CardEquation { terms: vec![(own, 1.0), (self.rotation_dof(k), -1.0)], rhs: 0.0 }
+    /// The equation `e . w_k = e . w` of the rotations of a node k and of the body about a direction e, along the axes of each.
+    pub fn rotates_with(
+        &self,
+        definitions: &DeckDefinitions,
+        node: u32,
+        direction: Vector,
+    ) -> Result<CardEquation, Problem> {
+        let own = definitions.axes(node)?.map(|axis| product(&axis, &direction));
+        let body = definitions.axes(self.node)?.map(|axis| -product(&axis, &direction));
+        let dofs = [4, 5, 6].map(|component| Dof { node, component });
+        let slave = (0..3).rev().max_by(|&i, &j| own[i].abs().total_cmp(&own[j].abs())).unwrap_or(0);
+        let terms = dofs.into_iter().zip(own).chain(self.rotations().into_iter().zip(body));
+        let mut equation = CardEquation { terms: terms.collect(), rhs: 0.0 };
+        equation.lead(slave);
+        equation.terms.retain(|(_, a)| *a != 0.0);
+        Ok(equation)
     }
 }
 
@@ -161,6 +173,10 @@ impl RigidBodyCard<'_> {
     /// The reference node and the DOFs of its rotation, which may belong to another node.
     fn motion(&mut self) -> Result<BodyReference, Problem> {
         let node = self.reference()?;
+        if self.solver == Solver::Abaqus && self.card.word("POSITION").is_some_and(|position| position != "INPUT") {
+            // Abaqus moves the reference there.
+            return Err(Problem::NotFollowed { what: "the centre of mass of the body".into() });
+        }
         let own = Dof { node, component: if self.solver == Solver::Ccx { UNREACHED } else { 4 } };
         let rotation = self.node("ROTNODE")?.map_or(own, |node| Dof { node, component: 1 });
         Ok(BodyReference { node, rotation })
@@ -229,23 +245,22 @@ pub fn kinematic(
     local: Option<&Frame>,
 ) -> Result<Vec<CardEquation>, Problem> {
     let mut rows = Vec::new();
-    // If all three translations are coupled, the choice of axes does not matter, so the axes of each node are used.
-    let local = local.filter(|_| !(1..=3).all(|component| components.contains(&component)));
+    // If all three translations or rotations are coupled, the choice of their axes does not matter, so the axes of each node are used.
+    let is_whole = |first: u8| (first..first + 3).all(|component| components.contains(&component));
+    let [along, about] = [1, 4].map(|first| local.filter(|_| !is_whole(first)));
     for node in nodes {
         let pose = definitions.pose(node)?;
-        let axes = local.map_or(pose.axes, |local| local.axes_at(pose.position));
-        let mut slaves = Vec::with_capacity(3);
+        let [along, about] = [along, about].map(|local| local.map_or(pose.axes, |local| local.axes_at(pose.position)));
+        let mut slaves = Vec::with_capacity(6);
         for &component in components {
-            let k = usize::from(component) - 1;
-            match k {
-                0..3 => {
-                    let row = reference.follows(definitions, node, axes[k])?.led_by_none_of(&slaves);
-                    slaves.push(row.terms[0].0);
-                    rows.push(row);
-                }
-                _ if definitions.rotates(node) => rows.push(reference.rotates_with(node, k - 3)),
-                _ => {}
-            }
+            let row = match usize::from(component) - 1 {
+                k @ 0..3 => reference.follows(definitions, node, along[k])?,
+                k if definitions.rotates(node) => reference.rotates_with(definitions, node, about[k - 3])?,
+                _ => continue,
+            };
+            let row = row.led_by_none_of(&slaves);
+            slaves.push(row.terms[0].0);
+            rows.push(row);
         }
     }
     Ok(rows)

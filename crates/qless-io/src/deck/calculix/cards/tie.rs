@@ -8,7 +8,6 @@ use crate::deck::calculix::cards::unread::claim;
 use crate::deck::calculix::cards::{CardEquation, RegisteredCard};
 use crate::deck::calculix::model::{DeckDefinitions, DeckSurface};
 use crate::deck::calculix::syntax::{KeywordCard, float};
-use crate::deck::kinematics::body::Poses;
 use crate::deck::kinematics::project::{FaceGrid, MasterFace};
 use crate::deck::kinematics::vector::{Vector, dot};
 use crate::deck::{DeckError, Dof, Model, Problem, Solver};
@@ -158,7 +157,7 @@ fn tied(card: &KeywordCard, definitions: &DeckDefinitions, rotates: bool) -> Res
 }
 
 /// The equations by which the components of a tied node follow the nodes of its face.
-fn rows(
+pub fn rows(
     definitions: &DeckDefinitions,
     node: u32,
     masters: &[u32],
@@ -170,11 +169,11 @@ fn rows(
         CardEquation::along(definitions, &gradients, 0.0)
     };
     let components = if definitions.is_plane(node) { 2 } else { 3 };
-    definitions.pose(node)?.axes.into_iter().take(components).map(row).collect()
+    definitions.axes(node)?.into_iter().take(components).map(row).collect()
 }
 
 /// The equations by which the rotations of a tied node follow those of the nodes of its face, about its own axes.
-fn rotations(
+pub fn rotations(
     definitions: &DeckDefinitions,
     node: u32,
     masters: &[u32],
@@ -183,12 +182,12 @@ fn rotations(
     let row = |(k, axis): (usize, Vector)| {
         let mut terms = vec![(Dof { node, component: k as u8 + 4 }, 1.0)];
         for (&master, weight) in masters.iter().zip(weights) {
-            for (component, own) in (4..).zip(definitions.pose(master)?.axes) {
+            for (component, own) in (4..).zip(definitions.axes(master)?) {
                 let coefficient = -weight * dot(axis, own);
                 terms.extend(Some((Dof { node: master, component }, coefficient)).filter(|_| coefficient != 0.0));
             }
         }
         Ok(CardEquation { terms, rhs: 0.0 })
     };
-    definitions.pose(node)?.axes.into_iter().enumerate().map(row).collect()
+    definitions.axes(node)?.into_iter().enumerate().map(row).collect()
 }

@@ -1,9 +1,9 @@
 //! Cards that constrain but are not read, and the DOFs that they may claim.
 
 use crate::deck::calculix::cards::RegisteredCard;
-use crate::deck::calculix::model::{DeckDefinitions, DeckSurface};
+use crate::deck::calculix::model::{AxesKind, DeckDefinitions, DeckSurface, axes};
 use crate::deck::calculix::syntax::KeywordCard;
-use crate::deck::{Dof, Model, Problem};
+use crate::deck::{Dof, Model, Origin, Problem};
 
 /// Keywords of cards that constrain but are not read: without blanks, and in their usual spelling.
 const UNREAD: [(&str, &str); 10] = [
@@ -43,6 +43,12 @@ fn misspelt(card: &KeywordCard, model: &mut Model) {
 /// Warns of a card in [`UNREAD`], which constrains, and claims the DOFs of its nodes. Also warns of a misspelt keyword. Does nothing for
 /// any other card.
 pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions) {
+    let has_axes = [("*TRANSFORM", "TYPE"), ("*ORIENTATION", "SYSTEM")];
+    let named = has_axes.iter().find(|(keyword, _)| card.is(keyword) && !definitions.is_abaqus);
+    if named.is_some_and(|(_, kind)| matches!(axes(card, kind).kind, AxesKind::ZRectangular | AxesKind::Other)) {
+        let text = "ccx knows rectangular and cylindrical axes only: it takes these as rectangular";
+        model.warn(card.file, card.line, text);
+    }
     let Some((keyword, name)) = UNREAD.iter().find(|(keyword, _)| card.is(keyword)) else {
         return misspelt(card, model);
     };
@@ -53,6 +59,28 @@ pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions
     model.leave_out(card.file, card.line, format!("{name} constrains, but is not understood: left out"));
     // If the card names something that is not defined, it claims no DOFs.
     let nodes = nodes(card, definitions).unwrap_or_default();
+    claim(&place, model, definitions, nodes.into_iter());
+}
+
+/// Claims the DOFs of the nodes that a card names which is left out, as far as they are known. `coupled` are the nodes of a `*COUPLING`.
+pub fn claim_named(card: &KeywordCard, coupled: Vec<u32>, model: &mut Model, definitions: &DeckDefinitions) {
+    let scope = card.scope;
+    let mut nodes = if card.is("*KINEMATIC") || card.is("*DISTRIBUTING") { coupled } else { Vec::new() };
+    for set in ["NSET", "TIENSET", "PINNSET", "REFNODE"].iter().filter_map(|name| card.parameter(name)) {
+        nodes.extend(definitions.node_or_set(scope, set.as_bytes()).unwrap_or_default());
+    }
+    nodes.extend(card.parameter("ELSET").and_then(|set| definitions.nodes_of(scope, set).ok()).unwrap_or_default());
+    for field in card.lines().flat_map(|line| line.fields()) {
+        if card.is("*MPC") {
+            nodes.extend(definitions.node_or_set(scope, field).unwrap_or_default());
+        } else if card.is("*TIE") {
+            let surface = DeckSurface::find(definitions, scope, &String::from_utf8_lossy(field));
+            nodes.extend(surface.map(|surface| surface.all_nodes()).unwrap_or_default());
+        }
+    }
+    // The card was added to the model before it failed.
+    let Some(last) = (model.cards.len() as u32).checked_sub(1) else { return };
+    let place = RegisteredCard { origin: Origin { card: last, line: card.line, lines: 1 } };
     claim(&place, model, definitions, nodes.into_iter());
 }
 

@@ -4,12 +4,12 @@ use std::cell::{OnceCell, RefCell};
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use crate::deck::Problem;
 use crate::deck::calculix::model::elements::{ElementShape, MeshElements};
 use crate::deck::calculix::model::instances::{Instance, InstanceMotion, NodeNumbers};
 use crate::deck::calculix::model::{
-    AxesCard, ElementDefinition, ScopedName, SetMembers, SetPart, SetTable, SurfaceCard, axes,
+    AxesCard, ElementDefinition, Generation, LocalAxes, ScopedName, SetMembers, SetPart, SetTable, SurfaceCard, axes,
 };
+use crate::deck::calculix::syntax::walk::walk;
 use crate::deck::calculix::syntax::{
     DataFields, DataLine, DataLines, DataPiece, FieldFault, KeywordCard, Scope, float, number,
 };
@@ -17,12 +17,20 @@ use crate::deck::kinematics::axes::{BASIC_AXES, Frame};
 use crate::deck::kinematics::body::Pose;
 use crate::deck::kinematics::body::Poses;
 use crate::deck::kinematics::vector::Vector;
+use crate::deck::{DeckError, Problem, Solver, Sources};
 
 /// The definitions of a deck: nodes, sets, elements and so on. They are kept as text until they are needed.
 #[derive(Default)]
 pub struct DeckDefinitions {
     /// Text of the `*NODE` cards of each scope.
-    nodes: Vec<Vec<DataPiece>>,
+    pub(super) nodes: Vec<Vec<DataPiece>>,
+    /// Text that names nodes whose positions are not known, for each scope.
+    pub(super) unplaced: Vec<Vec<DataPiece>>,
+    pub(super) generation: Generation,
+    /// File and line of definitions that this reader does not follow, with what they do.
+    pub not_followed: Vec<(u32, u32, &'static str)>,
+    /// Whether the deck is read for Abaqus, and not for ccx.
+    pub is_abaqus: bool,
     pub sets: SetTable,
     pub blocks: Vec<ElementDefinition>,
     pub surfaces: FxHashMap<ScopedName, Vec<SurfaceCard>>,
@@ -37,9 +45,9 @@ pub struct DeckDefinitions {
     numbers: OnceCell<Result<NodeNumbers, Problem>>,
     positions: OnceCell<Result<FxHashMap<u32, Vector>, Problem>>,
     elements: OnceCell<Result<MeshElements, Problem>>,
-    locals: OnceCell<Result<FxHashMap<u32, Frame>, Problem>>,
+    locals: OnceCell<Result<LocalAxes, Problem>>,
     /// For each node, the shapes of its elements that ccx expands into solids.
-    expanded: OnceCell<FxHashMap<u32, Vec<ElementShape>>>,
+    pub(super) expanded: OnceCell<FxHashMap<u32, Vec<ElementShape>>>,
     /// Positions of the nodes that the solver makes.
     made: RefCell<FxHashMap<u32, Vector>>,
     /// Whether a step is geometrically nonlinear.
@@ -49,21 +57,37 @@ pub struct DeckDefinitions {
     /// Estimated number of equations and of their terms, used to reserve memory.
     pub equations: usize,
     pub terms: usize,
-    /// Whether other cards than `*NODE` may define nodes.
-    pub generates_nodes: bool,
 }
 
+/// Cards that Abaqus knows and ccx does not, and that change what other cards mean.
+const ONLY_ABAQUS: [&str; 8] = ["*INSTANCE", "*SYSTEM", "*NGEN", "*NCOPY", "*NFILL", "*NMAP", "*ELGEN", "*ELCOPY"];
+
 impl DeckDefinitions {
+    /// Reads the definitions of a deck, and calls `also` for each card. A deck with cards that only Abaqus knows is one of Abaqus.
+    pub fn read(sources: &mut Sources, mut also: impl FnMut(&KeywordCard)) -> Result<Self, DeckError> {
+        let mut definitions = Self::default();
+        walk(sources, &mut |card: &KeywordCard| {
+            definitions.note(card);
+            also(card);
+            Ok(())
+        })?;
+        if definitions.is_abaqus {
+            sources.set_solver(Solver::Abaqus);
+        }
+        definitions.is_abaqus = sources.solver() == Solver::Abaqus;
+        Ok(definitions)
+    }
+
     /// Records what a card defines.
     pub fn note(&mut self, card: &KeywordCard) {
         let key = |parameter| (card.scope, card.word(parameter).unwrap_or_default());
+        let has_system = card.is("*NODE") && card.parameter("SYSTEM").is_some();
+        self.is_abaqus |= has_system || ONLY_ABAQUS.iter().any(|keyword| card.is(keyword));
         match card.keyword.as_slice() {
             b"*INSTANCE" => self.instance(card),
             b"*ASSEMBLY" => self.assemblies.extend(card.word("NAME")),
             b"*NODE" => {
-                let scope = card.scope.0 as usize;
-                self.nodes.resize_with(self.nodes.len().max(scope + 1), Vec::new);
-                self.nodes[scope].extend_from_slice(&card.data);
+                self.nodes_of_card(card);
                 self.set(card, || SetMembers::Lines(card.data.clone()));
             }
             b"*NSET" if card.parameter("GENERATE").is_some() => {
@@ -102,11 +126,21 @@ impl DeckDefinitions {
             b"*STEP" => self.is_nonlinear |= card.word("NLGEOM").is_some_and(|value| value != "NO"),
             b"*SELECTCYCLICSYMMETRYMODES" => self.has_diameters = true,
             b"*EQUATION" => card.data.iter().for_each(|piece| self.count(piece)),
-            b"*NGEN" => {
-                self.generates_nodes = true;
-                self.set(card, || SetMembers::Generate(card.data.clone()));
+            b"*SYSTEM" => self.system(card),
+            b"*NGEN" => self.generate_nodes(card),
+            b"*ELGEN" => self.generate_elements(card),
+            b"*NCOPY" | b"*NFILL" => {
+                self.generation.has_unknown_nodes = true;
+                self.set(card, || SetMembers::Unknown("*NFILL"));
+                let copied = card.word("NEWSET").map(|set| self.sets.of_nodes.entry((card.scope, set)).or_default());
+                copied.into_iter().for_each(|set| set.push(SetPart::from_card(card, SetMembers::Unknown("*NCOPY"))));
             }
-            b"*NCOPY" | b"*NFILL" | b"*NMAP" => self.generates_nodes = true,
+            b"*NMAP" => self.not_followed.push((card.file, card.line, "*NMAP moves nodes")),
+            b"*ELCOPY" => {
+                let set = self.sets.of_elements.entry(key("NEWSET")).or_default();
+                set.push(SetPart::from_card(card, SetMembers::Unknown("*ELCOPY")));
+                self.not_followed.push((card.file, card.line, "*ELCOPY makes elements"));
+            }
             _ => {}
         }
     }
@@ -119,7 +153,7 @@ impl DeckDefinitions {
     }
 
     /// Adds members to the node set that a card names; does nothing if it names none.
-    fn set(&mut self, card: &KeywordCard, part: impl FnOnce() -> SetMembers) {
+    pub(super) fn set(&mut self, card: &KeywordCard, part: impl FnOnce() -> SetMembers) {
         if let Some(set) = card.word("NSET") {
             self.sets.of_nodes.entry((card.scope, set)).or_default().push(SetPart::from_card(card, part()));
         }
@@ -161,7 +195,7 @@ impl DeckDefinitions {
     /// Checks the lines of all `*NODE` cards. The error holds the first wrong line with its wrong field. Later errors could not name a
     /// line, because positions are parsed for all nodes at once, and only if a card needs them.
     pub fn check_nodes(&self) -> Result<(), (DataLine<'_>, FieldFault)> {
-        for line in self.nodes.iter().flat_map(|pieces| DataLines::new(pieces)) {
+        for line in self.nodes.iter().chain(&self.unplaced).flat_map(|pieces| DataLines::new(pieces)) {
             let mut fields = DataFields::new(&line);
             let read = number(fields.next().unwrap_or_default(), "a node").map_err(|problem| (Some(1), problem));
             read.and_then(|_| (0..3).try_for_each(|_| fields.real().map(drop))).map_err(|fault| (line, fault))?;
@@ -180,11 +214,17 @@ impl DeckDefinitions {
 
     /// The node numbers of a scope as its cards give them, ascending.
     fn listed(&self, scope: usize) -> Vec<u32> {
-        let lines = DataLines::new(self.nodes.get(scope).map_or(&[], Vec::as_slice));
+        let lists = [&self.nodes, &self.unplaced].map(|lists| lists.get(scope).map_or(&[][..], Vec::as_slice));
+        let lines = lists.into_iter().flat_map(DataLines::new);
         let mut numbers: Vec<u32> = lines.filter_map(|line| number(line.fields().next()?, "a node").ok()).collect();
         numbers.sort_unstable();
         numbers.dedup();
         numbers
+    }
+
+    /// Whether cards define nodes whose numbers are not known.
+    pub fn has_unknown_nodes(&self) -> bool {
+        self.generation.has_unknown_nodes
     }
 
     /// Numbers of all nodes of the deck, ascending.
@@ -251,7 +291,14 @@ impl DeckDefinitions {
             return Ok(*position);
         }
         let all = self.positions.get_or_init(|| self.all_positions()).as_ref().map_err(Clone::clone)?;
-        all.get(&node).copied().ok_or_else(|| Problem::Undefined { what: "node", name: node.to_string() })
+        let are_known = !self.generation.has_unknown_nodes && self.unplaced.iter().all(Vec::is_empty);
+        all.get(&node).copied().ok_or_else(|| {
+            if are_known {
+                Problem::Undefined { what: "node", name: node.to_string() }
+            } else {
+                Problem::NotFollowed { what: format!("the position of node {node}") }
+            }
+        })
     }
 
     /// The nodes to which `*TRANSFORM` gives local axes. Sets that are not defined are skipped.
@@ -260,33 +307,13 @@ impl DeckDefinitions {
         self.transforms.iter().flat_map(move |transform| nodes(transform).unwrap_or_default())
     }
 
-    /// Whether a node belongs to an element whose nodes have rotations.
-    pub fn rotates(&self, node: u32) -> bool {
-        self.expanded_at(node).iter().any(|shape| shape.rotates)
-    }
-
-    /// Whether a node belongs to a plane element, and so has no third component.
-    pub fn is_plane(&self, node: u32) -> bool {
-        self.expanded_at(node).iter().any(ElementShape::is_plane)
-    }
-
-    /// Shapes of those elements at a node that ccx expands into solids. All elements with rotations are among them.
-    pub fn expanded_at(&self, node: u32) -> &[ElementShape] {
-        let find = || {
-            let mut all: FxHashMap<u32, Vec<ElementShape>> = FxHashMap::default();
-            let shape = |block: &ElementDefinition| ElementShape::from_type(&block.kind);
-            for block in self.blocks.iter().filter(|block| shape(block).is_expanded()) {
-                let fields = DataLines::new(&block.data).flat_map(|line| line.fields().skip(1));
-                for node in fields.filter_map(|field| self.node(block.scope, field).ok()) {
-                    let shapes = all.entry(node).or_default();
-                    if shapes.last() != Some(&shape(block)) {
-                        shapes.push(shape(block));
-                    }
-                }
-            }
-            all
-        };
-        self.expanded.get_or_init(find).get(&node).map_or(&[], Vec::as_slice)
+    /// The axes along which the components of a node are.
+    pub fn axes(&self, node: u32) -> Result<[Vector; 3], Problem> {
+        match self.locals.get_or_init(|| self.locals()).as_ref().map_err(Clone::clone)?.get(&node) {
+            Some(Ok(frame)) => Ok(frame.axes_at(self.position(node)?)),
+            Some(Err(problem)) => Err(problem.clone()),
+            None => Ok(BASIC_AXES),
+        }
     }
 }
 
@@ -304,8 +331,6 @@ fn positions(lines: DataLines) -> Result<FxHashMap<u32, Vector>, Problem> {
 
 impl Poses for DeckDefinitions {
     fn pose(&self, node: u32) -> Result<Pose, Problem> {
-        let position = self.position(node)?;
-        let locals = self.locals.get_or_init(|| self.locals()).as_ref().map_err(Clone::clone)?;
-        Ok(Pose { position, axes: locals.get(&node).map_or(BASIC_AXES, |local| local.axes_at(position)) })
+        Ok(Pose { position: self.position(node)?, axes: self.axes(node)? })
     }
 }

@@ -3,8 +3,8 @@
 use rustc_hash::FxHashMap;
 
 use crate::deck::Problem;
-use crate::deck::calculix::model::ScopedName;
-use crate::deck::calculix::syntax::Scope;
+use crate::deck::calculix::model::{ElementDefinition, ScopedName};
+use crate::deck::calculix::syntax::{DataLines, Scope};
 
 /// What the reader needs to know of an element type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,37 +57,48 @@ impl ElementShape {
     pub fn from_type(kind: &str) -> Self {
         let digits = |text: &str| text.chars().take_while(char::is_ascii_digit).collect::<String>().parse().ok();
         let starts = |prefix: &str| kind.strip_prefix(prefix).map(digits);
-        let (family, nodes, rotates) =
-            if let Some(nodes) = starts("C3D").or_else(|| starts("F3D")).or_else(|| starts("DC3D")) {
-                let family = match nodes {
-                    Some(8 | 20) => ElementFamily::Hexahedron,
-                    Some(4 | 10) => ElementFamily::Tetrahedron,
-                    Some(6 | 15) => ElementFamily::Wedge,
-                    _ => ElementFamily::Other,
-                };
-                (family, nodes, false)
-            } else if let Some(nodes) = starts("CPS").or_else(|| starts("CPE")).or_else(|| starts("CAX")) {
-                (ElementFamily::Plane, nodes, false)
-            } else if let Some(nodes) = starts("M3D") {
-                (ElementFamily::Shell, nodes, false)
-            } else if let Some(nodes) = starts("S").filter(|_| !kind.starts_with("SPRING")) {
-                (ElementFamily::Shell, nodes, true)
-            } else {
-                let is_beam = kind.starts_with('B');
-                let is_bar = is_beam || ["T2D", "T3D"].iter().any(|truss| kind.starts_with(truss));
-                let nodes = match kind {
-                    _ if kind.starts_with("B31") || kind.starts_with("T3D2") => Some(2),
-                    _ if kind.starts_with("B32") || kind.starts_with("T3D3") => Some(3),
-                    _ => None,
-                };
-                (if is_bar { ElementFamily::Bar } else { ElementFamily::Other }, nodes, is_beam)
+        let (family, nodes, rotates) = if let Some(nodes) =
+            ["C3D", "F3D", "DC3D", "SC", "CSS"].into_iter().find_map(starts)
+        {
+            let family = match nodes {
+                Some(8 | 20) => ElementFamily::Hexahedron,
+                Some(4 | 10) => ElementFamily::Tetrahedron,
+                Some(6 | 15) => ElementFamily::Wedge,
+                _ => ElementFamily::Other,
             };
+            (family, nodes, false)
+        } else if let Some(nodes) = starts("CPS").or_else(|| starts("CPE")).or_else(|| starts("CAX")) {
+            (ElementFamily::Plane, nodes, false)
+        } else if let Some(nodes) = starts("M3D").or_else(|| starts("SFM3D")) {
+            (ElementFamily::Shell, nodes, false)
+        } else if let Some(nodes) = starts("S").filter(|_| !kind.starts_with("SPRING")) {
+            (ElementFamily::Shell, nodes, true)
+        } else {
+            let is_beam = ["B", "PIPE", "ELBOW", "FRAME"].iter().any(|beam| kind.starts_with(beam));
+            let is_bar = is_beam || ["T2D", "T3D"].iter().any(|truss| kind.starts_with(truss));
+            let nodes = match kind {
+                _ if ["B31", "T3D2", "PIPE31", "ELBOW31", "FRAME"].iter().any(|two| kind.starts_with(two)) => Some(2),
+                _ if ["B32", "T3D3", "PIPE32", "ELBOW32"].iter().any(|three| kind.starts_with(three)) => Some(3),
+                _ => None,
+            };
+            (if is_bar { ElementFamily::Bar } else { ElementFamily::Other }, nodes, is_beam)
+        };
         Self { nodes, family, rotates }
     }
 
     /// Whether the element is plane, so that its faces are lines.
     pub fn is_plane(&self) -> bool {
         self.family == ElementFamily::Plane
+    }
+
+    /// Whether this face is a line: an edge of a plane element, or of a shell.
+    pub fn is_line(&self, face: &str) -> bool {
+        self.is_plane() || self.is_shell() && shell_edge(face).is_some()
+    }
+
+    /// Whether this reader does not know the nodes of this face: those of a free surface, or of an element that has no faces here.
+    pub fn has_unknown_face(&self, face: &str) -> bool {
+        matches!(face, "" | "EDGE") || matches!(self.family, ElementFamily::Bar | ElementFamily::Other)
     }
 
     /// Whether the element is a shell or a membrane.
@@ -107,10 +118,46 @@ impl ElementShape {
             ElementFamily::Hexahedron => HEXAHEDRON.face(number?, nodes),
             ElementFamily::Tetrahedron => TETRAHEDRON.face(number?, nodes),
             ElementFamily::Wedge => WEDGE.face(number?, nodes),
-            ElementFamily::Shell => Some(nodes.to_vec()),
+            ElementFamily::Shell => match (shell_edge(face), face) {
+                (Some(number), _) => edge(number, nodes),
+                (None, "" | "SPOS" | "SNEG" | "S1" | "S2") => Some(nodes.to_vec()),
+                _ => None,
+            },
             ElementFamily::Plane => edge(number?, nodes),
             ElementFamily::Bar | ElementFamily::Other => None,
         }
+    }
+}
+
+impl ElementDefinition {
+    /// Visits the elements of a card: `visit` gets the fields of each, first its number and then those of its nodes that are not empty. An
+    /// element continues on the next line until it has all of its nodes. `fields` is memory that is used again.
+    pub fn each_element<'a>(
+        &'a self,
+        fields: &mut Vec<&'a [u8]>,
+        mut visit: impl FnMut(&[&'a [u8]]) -> Result<(), Problem>,
+    ) -> Result<(), Problem> {
+        let count = ElementShape::from_type(&self.kind).nodes;
+        let mut lines = DataLines::new(&self.data);
+        while let Some(mut line) = lines.next() {
+            fields.clear();
+            fields.extend(line.fields().take(1));
+            let mut skipped = 1;
+            loop {
+                fields.extend(line.fields().skip(skipped).filter(|field| !field.is_empty()));
+                skipped = 0;
+                let goes_on = line.text.trim_ascii_end().ends_with(b",");
+                if !count.map_or(goes_on, |count| fields.len() <= count) {
+                    break;
+                }
+                match lines.next() {
+                    Some(next) => line = next,
+                    None => break,
+                }
+            }
+            visit(fields)?;
+        }
+        Ok(())
     }
 }
 
@@ -129,7 +176,13 @@ impl FaceTable {
     }
 }
 
-/// The nodes of edge `number` of a plane element: its two ends and, if it has one, its middle node.
+/// The number of an edge of a shell: `E1` is the first one in Abaqus, and `S3` in ccx. `None` if the face is no edge.
+fn shell_edge(face: &str) -> Option<usize> {
+    let edge = face.strip_prefix('E').and_then(|number| number.parse().ok());
+    edge.or_else(|| face.strip_prefix('S')?.parse::<usize>().ok()?.checked_sub(2)).filter(|&number| number > 0)
+}
+
+/// The nodes of edge `number` of a plane element or of a shell: its two ends and, if it has one, its middle node.
 fn edge(number: usize, nodes: &[u32]) -> Option<Vec<u32>> {
     let corners = if matches!(nodes.len(), 3 | 6) { 3 } else { 4 };
     let first = number.checked_sub(1).filter(|&k| k < corners)?;

@@ -1,24 +1,30 @@
 //! `*TRANSFORM` and `*ORIENTATION`: local axes from two points a and b.
 //!
-//! Rectangular axes: the first axis points to a, and b lies in the plane of the first two axes. Cylindrical axes: the third axis points
-//! from a to b, and the first axis is radial. A second line of `*ORIENTATION` turns rectangular axes about one of them.
+//! Rectangular axes: the first axis points from the origin c to a, and b lies in the plane of the first two axes; ccx knows no c. Cylindrical
+//! axes: the third axis points from a to b, and the first axis is radial. A second line of `*ORIENTATION` turns rectangular axes about one of them.
 
 use rustc_hash::FxHashMap;
 
 use crate::deck::Problem;
-use crate::deck::calculix::model::{AxesCard, DeckDefinitions};
-use crate::deck::calculix::syntax::{self, DataLines, DataPiece, Scope, float};
+use crate::deck::calculix::model::{AxesCard, AxesKind, DeckDefinitions, LocalAxes};
+use crate::deck::calculix::syntax::{self, DataLines, Scope, float, number};
 use crate::deck::kinematics::axes::{BASIC_AXES, Frame, FrameKind};
 use crate::deck::kinematics::vector::{Vector, cross, minus, unit};
 use crate::fault::quote;
 
+/// What a card needs if the kind of its axes is [`AxesKind::Other`].
+const OTHER: &str = "axes that are neither rectangular nor cylindrical";
+
 impl DeckDefinitions {
     /// The local axes of each node that `*TRANSFORM` names.
-    pub fn locals(&self) -> Result<FxHashMap<u32, Frame>, Problem> {
+    pub fn locals(&self) -> Result<LocalAxes, Problem> {
         let mut locals = FxHashMap::default();
         for (set, axes) in &self.transforms {
-            let local = self.placed_axes(axes)?;
-            locals.extend(self.nodes(axes.scope, set)?.iter().map(|&node| (node, local)));
+            let local = match self.placed_axes(axes) {
+                Err(problem @ Problem::NotFollowed { .. }) => Err(problem),
+                known => Ok(known?),
+            };
+            locals.extend(self.nodes(axes.scope, set)?.iter().map(|&node| (node, local.clone())));
         }
         Ok(locals)
     }
@@ -33,50 +39,73 @@ impl DeckDefinitions {
     }
 
     fn placed_axes(&self, axes: &AxesCard) -> Result<Frame, Problem> {
-        self.placed(axes.scope, local(axes.kind, &axes.data)?)
+        self.placed(axes.scope, self.local(axes)?)
     }
-}
 
-fn local(kind: Option<FrameKind>, data: &[DataPiece]) -> Result<Frame, Problem> {
-    let mut lines = DataLines::new(data);
-    let [a, b] = two_points(lines.next().into_iter().flat_map(|line| line.fields()))?;
-    let degenerate = |what: &str| Problem::Degenerate { what: what.into() };
-    let axes = match kind {
-        Some(FrameKind::Rectangular) => along(a, b),
-        Some(FrameKind::Cylindrical) => around(a, b),
-        _ => return Err(degenerate("axes that are neither rectangular nor cylindrical are not supported")),
-    };
-    let mut frame = axes.ok_or_else(|| degenerate("the two points define no axes"))?;
-    if let Some(line) = lines.next() {
-        let mut fields = line.fields();
-        let axis = fields.next().unwrap_or_default();
-        let angle = fields.next().filter(|field| !field.is_empty()).map_or(Ok(0.0), float)?;
-        if angle != 0.0 {
-            turn(&mut frame, turned_axis(axis)?, angle)?;
+    /// The frame that the points a, b and, in Abaqus, the origin c define.
+    fn local(&self, AxesCard { kind, has_points, data, .. }: &AxesCard) -> Result<Frame, Problem> {
+        let mut lines = DataLines::new(data);
+        let first = lines.next();
+        let fields = || first.into_iter().flat_map(|line| line.fields());
+        let unknown = |what: &str| Problem::NotFollowed { what: what.into() };
+        if self.is_abaqus && !has_points {
+            return Err(unknown("axes that nodes define"));
+        }
+        if self.is_abaqus && *kind == AxesKind::Other {
+            return Err(unknown(OTHER));
+        }
+        let [a, b] = two_points(fields())?;
+        let c = if self.is_abaqus {
+            [6, 7, 8].map(|k| fields().nth(k).filter(|field| !field.is_empty()))
+        } else {
+            [None; 3]
+        };
+        let [x, y, z] = c.map(|field| field.map_or(Ok(0.0), float));
+        let c = [x?, y?, z?];
+        let axes = match kind {
+            AxesKind::Cylindrical => around(a, b),
+            AxesKind::ZRectangular if self.is_abaqus => Frame::through(FrameKind::Rectangular, c, a, b),
+            _ => along(minus(a, c), minus(b, c)),
+        };
+        let mut frame = axes.ok_or_else(|| match kind {
+            AxesKind::Other => unknown(OTHER),
+            _ => Problem::Degenerate { what: "the two points define no axes".into() },
+        })?;
+        if let Some(line) = lines.next() {
+            let mut fields = line.fields();
+            let axis = fields.next().unwrap_or_default();
+            let angle = fields.next().filter(|field| !field.is_empty()).map_or(Ok(0.0), float)?;
+            if let Some(axis) = self.turned_axis(axis)?.filter(|_| angle != 0.0) {
+                Self::turn(&mut frame, axis, angle)?;
+            }
+        }
+        Ok(frame)
+    }
+
+    /// The axis, from 0, in the second line of `*ORIENTATION`. The default is the first one in Abaqus; ccx turns about no other number than 1,
+    /// 2 and 3, and so by default about none.
+    fn turned_axis(&self, field: &[u8]) -> Result<Option<usize>, Problem> {
+        let given = if field.is_empty() { u32::from(self.is_abaqus) } else { number(field, "an axis from 1 to 3")? };
+        match given {
+            1..=3 => Ok(Some(given as usize - 1)),
+            _ if self.is_abaqus => Err(Problem::Expected { expected: "an axis from 1 to 3", found: quote(field) }),
+            _ => Ok(None),
         }
     }
-    Ok(frame)
-}
 
-/// The axis, from 0, in the second line of `*ORIENTATION`. Without an axis, Abaqus turns about the first one, and ccx does not turn.
-fn turned_axis(field: &[u8]) -> Result<usize, Problem> {
-    let axis = [b"1", b"2", b"3"].iter().position(|axis| field == *axis);
-    axis.ok_or_else(|| Problem::Expected { expected: "an axis from 1 to 3", found: quote(field) })
-}
-
-/// Turns rectangular axes about one of them by an angle in degrees.
-fn turn(frame: &mut Frame, axis: usize, angle: f64) -> Result<(), Problem> {
-    if frame.kind != FrameKind::Rectangular {
-        return Err(Problem::Degenerate {
-            what: "cylindrical axes with an additional rotation are not supported".into(),
-        });
+    /// Turns rectangular axes about one of them by an angle in degrees.
+    fn turn(frame: &mut Frame, axis: usize, angle: f64) -> Result<(), Problem> {
+        if frame.kind != FrameKind::Rectangular {
+            let what = "cylindrical axes with an additional rotation (where ccx stops)".into();
+            return Err(Problem::NotFollowed { what });
+        }
+        let (sin, cos) = angle.to_radians().sin_cos();
+        let [j, k] = [(axis + 1) % 3, (axis + 2) % 3];
+        let (p, q) = (frame.axes[j], frame.axes[k]);
+        frame.axes[j] = std::array::from_fn(|i| cos * p[i] + sin * q[i]);
+        frame.axes[k] = std::array::from_fn(|i| cos * q[i] - sin * p[i]);
+        Ok(())
     }
-    let (sin, cos) = angle.to_radians().sin_cos();
-    let [j, k] = [(axis + 1) % 3, (axis + 2) % 3];
-    let (p, q) = (frame.axes[j], frame.axes[k]);
-    frame.axes[j] = std::array::from_fn(|i| cos * p[i] + sin * q[i]);
-    frame.axes[k] = std::array::from_fn(|i| cos * q[i] - sin * p[i]);
-    Ok(())
 }
 
 /// Reads two points as six coordinates. Empty fields are zero.
@@ -91,7 +120,8 @@ pub fn two_points<'a>(fields: impl Iterator<Item = &'a [u8]>) -> Result<[Vector;
     Ok([[ax, ay, az], [bx, by, bz]])
 }
 
-fn along(a: Vector, b: Vector) -> Option<Frame> {
+/// Rectangular axes: a is on the first axis, and b in the plane of the first two; `None` if they are on a line with the origin.
+pub fn along(a: Vector, b: Vector) -> Option<Frame> {
     let first = unit(a)?;
     let third = unit(cross(first, unit(b)?))?;
     Some(Frame { kind: FrameKind::Rectangular, origin: [0.0; 3], axes: [first, cross(third, first), third] })

@@ -1,28 +1,24 @@
-//! Parses the text of `*ELEMENT` and `*SURFACE` cards.
+//! Parses the text of `*ELEMENT` and `*SURFACE` cards, and finds the elements at a node.
+
+use rustc_hash::FxHashMap;
 
 use crate::deck::Problem;
 use crate::deck::calculix::model::elements::{ElementShape, MeshElements};
-use crate::deck::calculix::model::{DeckDefinitions, folded};
+use crate::deck::calculix::model::{DeckDefinitions, ElementDefinition, folded};
 use crate::deck::calculix::syntax::{DataLines, Scope, fold_name, number};
 use crate::fault::quote;
 
 impl DeckDefinitions {
     /// Parses the `*ELEMENT` cards. Each element is a number followed by its nodes, on as many lines as needed.
     pub fn parse_elements(&self) -> Result<MeshElements, Problem> {
-        let mut elements = MeshElements::default();
+        let (mut elements, mut fields) = (MeshElements::default(), Vec::new());
         for block in &self.blocks {
             let shape = ElementShape::from_type(&block.kind);
-            let mut lines = DataLines::new(&block.data);
-            while let Some(line) = lines.next() {
-                let mut fields = line.fields();
-                let own = number(fields.next().unwrap_or_default(), "an element")?;
+            block.each_element(&mut fields, |fields| {
+                let own = number(fields[0], "an element")?;
                 let start = elements.nodes.len();
-                self.add_nodes(block.scope, fields, &mut elements.nodes)?;
-                let mut goes_on = line.text.trim_ascii_end().ends_with(b",");
-                while shape.nodes.map_or(goes_on, |count| elements.nodes.len() < start + count) {
-                    let Some(line) = lines.next() else { break };
-                    goes_on = line.text.trim_ascii_end().ends_with(b",");
-                    self.add_nodes(block.scope, line.fields(), &mut elements.nodes)?;
+                for field in &fields[1..] {
+                    elements.nodes.push(self.node(block.scope, field)?);
                 }
                 let index = elements.all.len() as u32;
                 elements.all.push((shape, start, elements.nodes.len()));
@@ -30,21 +26,43 @@ impl DeckDefinitions {
                 if let Some(set) = &block.set {
                     elements.by_set.entry((block.scope, set.clone())).or_default().push(index);
                 }
-            }
+                Ok(())
+            })?;
         }
         Ok(elements)
     }
 
-    fn add_nodes<'a>(
-        &self,
-        scope: Scope,
-        fields: impl Iterator<Item = &'a [u8]>,
-        nodes: &mut Vec<u32>,
-    ) -> Result<(), Problem> {
-        for field in fields.filter(|field| !field.is_empty()) {
-            nodes.push(self.node(scope, field)?);
-        }
-        Ok(())
+    /// Whether a node belongs to an element whose nodes have rotations.
+    pub fn rotates(&self, node: u32) -> bool {
+        self.expanded_at(node).iter().any(|shape| shape.rotates)
+    }
+
+    /// Whether a node belongs to a plane element, and so has no third component.
+    pub fn is_plane(&self, node: u32) -> bool {
+        self.expanded_at(node).iter().any(ElementShape::is_plane)
+    }
+
+    /// Shapes of those elements at a node that ccx expands into solids. All elements with rotations are among them.
+    pub fn expanded_at(&self, node: u32) -> &[ElementShape] {
+        let find = || {
+            let mut all: FxHashMap<u32, Vec<ElementShape>> = FxHashMap::default();
+            let shape = |block: &ElementDefinition| ElementShape::from_type(&block.kind);
+            let mut fields = Vec::new();
+            for block in self.blocks.iter().filter(|block| shape(block).is_expanded()) {
+                // The visitor cannot fail.
+                _ = block.each_element(&mut fields, |fields| {
+                    for node in fields.iter().skip(1).filter_map(|field| self.node(block.scope, field).ok()) {
+                        let shapes = all.entry(node).or_default();
+                        if shapes.last() != Some(&shape(block)) {
+                            shapes.push(shape(block));
+                        }
+                    }
+                    Ok(())
+                });
+            }
+            all
+        };
+        self.expanded.get_or_init(find).get(&node).map_or(&[], Vec::as_slice)
     }
 }
 
@@ -53,7 +71,7 @@ impl DeckDefinitions {
 pub struct DeckSurface {
     pub nodes: Vec<u32>,
     pub faces: Vec<Vec<u32>>,
-    /// Whether the faces are edges of plane elements.
+    /// Whether the faces are edges of plane elements or of shells.
     pub is_line: bool,
     /// Whether some faces belong to shells or membranes.
     pub has_shells: bool,
@@ -92,11 +110,19 @@ impl DeckSurface {
     fn add_faces(&mut self, of: &DeckDefinitions, scope: Scope, elements: &[u8], face: &str) -> Result<(), Problem> {
         for element in of.element_or_set(scope, elements)? {
             let shape = of.elements()?.shape(element);
-            let nodes = shape.face(face, of.elements()?.nodes(element)).ok_or_else(|| Problem::Expected {
-                expected: "a face that the element has",
-                found: quote(format!("{face} of {}", String::from_utf8_lossy(elements)).as_bytes()),
-            })?;
-            self.is_line |= shape.is_plane();
+            let name = || format!("{face} of {}", String::from_utf8_lossy(elements));
+            let Some(nodes) = shape.face(face, of.elements()?.nodes(element)) else {
+                return Err(if shape.has_unknown_face(face) {
+                    Problem::NotFollowed { what: format!("the face {}", name()) }
+                } else {
+                    Problem::Expected { expected: "a face that the element has", found: quote(name().as_bytes()) }
+                });
+            };
+            let is_line = shape.is_line(face);
+            if is_line != self.is_line && !self.faces.is_empty() {
+                return Err(Problem::NotFollowed { what: format!("a surface of edges and faces, such as {}", name()) });
+            }
+            self.is_line = is_line;
             self.has_shells |= shape.is_shell();
             self.faces.push(nodes);
         }

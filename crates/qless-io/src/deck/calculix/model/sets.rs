@@ -73,7 +73,7 @@ impl DeckDefinitions {
         }
     }
 
-    /// The nodes of a node set, each once and in the order of its definition.
+    /// The nodes of a node set, each once. They ascend in Abaqus, unless the set is unsorted; otherwise they are in the order of its definition.
     pub fn nodes(&self, scope: Scope, set: &str) -> Result<Rc<Vec<u32>>, Problem> {
         self.members(false, scope, &fold_name(set))
     }
@@ -104,11 +104,15 @@ impl DeckDefinitions {
         }
         self.sets.known.borrow_mut().insert(key.clone(), ParsedSet::InProgress);
         let mut members = named.map(|(_, members)| members.clone()).unwrap_or_default();
-        for part in parts.map_or(&[][..], |(_, parts)| parts.as_slice()) {
+        let parts = parts.map_or(&[][..], |(_, parts)| parts.as_slice());
+        for part in parts {
             self.add_members(part, of_elements, &mut members)?;
         }
         let mut seen = FxHashSet::default();
         members.retain(|&member| seen.insert(member));
+        if self.is_abaqus && !parts.iter().any(|part| part.is_unsorted) {
+            members.sort_unstable();
+        }
         let members = Rc::new(members);
         self.sets.known.borrow_mut().insert(key, ParsedSet::Done(Rc::clone(&members)));
         Ok(members)
@@ -144,6 +148,9 @@ impl DeckDefinitions {
                 for line in DataLines::new(pieces) {
                     self.generate(&mut line.fields(), of_elements, scope, members)?;
                 }
+            }
+            SetMembers::Unknown(card) => {
+                return Err(Problem::NotFollowed { what: format!("a set that {card} gives members") });
             }
             SetMembers::OfElements(set) => members.extend(self.nodes_of(scope, set)?),
         }

@@ -59,7 +59,8 @@ impl<'a> Iterator for DataLines<'a> {
             let text = &self.rest[..end];
             self.rest = self.rest.get(end + 1..).unwrap_or_default();
             self.number += 1;
-            if !text.starts_with(b"**") && text.iter().any(|byte| !byte.is_ascii_whitespace()) {
+            let begins = text.trim_ascii_start();
+            if !begins.is_empty() && !begins.starts_with(b"**") {
                 return Some(DataLine { file: self.file, number: self.number, text });
             }
         }

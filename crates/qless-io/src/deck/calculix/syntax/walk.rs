@@ -76,12 +76,16 @@ fn walk_file(
     Ok(())
 }
 
-/// Where the next keyword line starts, at or after `from`. `from` must be the start of a line.
+/// Where the next keyword line starts, at or after `from`. `from` must be the start of a line. The first byte of a keyword line that is not
+/// blank is a star.
 pub fn next_keyword(text: &[u8], from: usize) -> usize {
-    memchr::memchr_iter(b'*', &text[from..])
-        .map(|k| from + k)
-        .find(|&k| (k == from || text[k - 1] == b'\n') && text.get(k + 1) != Some(&b'*'))
-        .unwrap_or(text.len())
+    let keyword = |star: usize| {
+        let blanks = from + text[from..star].trim_ascii_end().len();
+        let start = memchr::memrchr(b'\n', &text[blanks..star]).map_or(blanks, |end| blanks + end + 1);
+        let is_first = start == from || text[start - 1] == b'\n';
+        (is_first && text.get(star + 1) != Some(&b'*')).then_some(start)
+    };
+    memchr::memchr_iter(b'*', &text[from..]).find_map(|k| keyword(from + k)).unwrap_or(text.len())
 }
 
 /// Where a keyword line ends, and the number of lines that it takes. A line that ends with a comma continues on the next line.
@@ -91,7 +95,8 @@ pub fn keyword_end(text: &[u8], from: usize) -> (usize, usize) {
         let line = &text[end..];
         let length = memchr::memchr(b'\n', line).map_or(line.len(), |k| k + 1);
         end += length;
-        let goes_on = line[..length].trim_ascii_end().ends_with(b",") && !matches!(text.get(end), None | Some(b'*'));
+        let goes_on = line[..length].trim_ascii_end().ends_with(b",")
+            && !matches!(text[end..].trim_ascii_start().first(), None | Some(b'*'));
         if !goes_on {
             return (end, lines);
         }

@@ -187,7 +187,8 @@ impl CalculixWriter<'_> {
 }
 
 fn is_data(row: &[u8]) -> bool {
-    !row.starts_with(b"**") && row.iter().any(|byte| !byte.is_ascii_whitespace())
+    let begins = row.trim_ascii_start();
+    !begins.is_empty() && !begins.starts_with(b"**")
 }
 
 /// Comment that says why an equation was removed.

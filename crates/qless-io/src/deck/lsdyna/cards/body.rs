@@ -91,6 +91,7 @@ pub fn merged(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMean
     if line.whole(2)? != 1 {
         all.move_centre(line.id(0)?);
     }
+    all.merged.insert(constrained.node, lead.node);
     let element = RigidElement::about(lead.node, [constrained.node], Components::ALL);
     GroupMeaning::of_body(line, element.equations(&all.mesh))
 }

@@ -8,7 +8,7 @@
 //! *CONSTRAINED_NODE_SET           NSID, DOF, TF
 //! ```
 
-use super::{GroupMeaning, coded};
+use super::{GroupMeaning, coded, is_without_axes};
 use crate::deck::Dof;
 use crate::deck::kinematics::body::CouplingEquation;
 use crate::deck::kinematics::components::Components;
@@ -34,6 +34,9 @@ pub fn interpolation(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<Gr
         }
     }
     let components = components(first, 2, reference, mesh)?;
+    if first.id(3)? != 0 && !is_without_axes(components) {
+        return Err(Gap::Unread("moves its dependent node along local directions (CIDD)".into()));
+    }
     let element = MeanElement { reference, components, groups, dependent: Vec::new() };
     GroupMeaning::of_body(first, element.equations(mesh))
 }

@@ -64,6 +64,12 @@ pub fn dofs(nodes: Vec<u32>, set: Components) -> impl Iterator<Item = Dof> {
     nodes.into_iter().flat_map(move |node| set.iter().map(move |component| Dof { node, component }))
 }
 
+/// Whether the components mean the same along all axes: all three translations or none, and all three rotations or none.
+pub fn is_without_axes(set: Components) -> bool {
+    let translations = set.and(Components::TRANSLATIONS).len();
+    [translations, set.len() - translations].iter().all(|count| matches!(count, 0 | 3))
+}
+
 /// The components for a code from 0 to 7 in a field: none, x, y, z, xy, yz, zx, xyz. `first` is the component that stands for x: 1 for
 /// translations, 4 for rotations.
 pub fn coded(line: &DynaLine, field: usize, first: u8) -> Result<Components, KeywordFault> {

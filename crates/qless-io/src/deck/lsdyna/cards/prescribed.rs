@@ -5,16 +5,17 @@
 //! *BOUNDARY_SPC_NODE, _SET            NID or NSID, CID, DOFX, DOFY, DOFZ, DOFRX, DOFRY, DOFRZ
 //! *BOUNDARY_PRESCRIBED_MOTION_NODE,   NID, NSID or PID, DOF, VAD, LCID, SF, VID, DEATH, BIRTH
 //!   _SET, _RIGID
+//! *BOUNDARY_SPC_..._BIRTH_DEATH        the same, then BIRTH, DEATH
 //! ```
 //!
 //! A curve (LCID) is a time history. The reader does not evaluate the curve: the scale factor SF counts as the value at the end. So motions
 //! with the same curve are compared by their factors, and motions with different curves count as independent.
 
-use super::{GroupMeaning, HeldDof, coded, dofs};
+use super::{GroupMeaning, HeldDof, coded, dofs, is_without_axes};
 use crate::deck::kinematics::components::Components;
 use crate::deck::lsdyna::model::bodies::DynaDefinitions;
 use crate::deck::lsdyna::model::mesh::Gap;
-use crate::deck::lsdyna::syntax::fields::{DynaLine, FieldLayout, KeywordFault};
+use crate::deck::lsdyna::syntax::fields::{DynaLine, FieldLayout};
 
 /// The components of a node that the fields TC and RC of its `*NODE` line hold at zero.
 pub fn node(lines: &[DynaLine], _: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
@@ -29,6 +30,9 @@ pub fn node(lines: &[DynaLine], _: &mut DynaDefinitions) -> Result<GroupMeaning,
 /// Components that a support of a node or of a node set holds at zero.
 pub fn support<const IS_SET: bool>(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
     let nodes = all.mesh.node_list(IS_SET, &lines[0], 0)?;
+    if let Some(times) = lines.get(1) {
+        refuse_times(times, 0, 1)?;
+    }
     Ok(GroupMeaning::default().with_held(&lines[0], dofs(nodes, supported(&lines[0])?)))
 }
 
@@ -41,12 +45,21 @@ fn supported(line: &DynaLine) -> Result<Components, Gap> {
             held = held.with(component);
         }
     }
-    let translations = held.and(Components::TRANSLATIONS).len();
-    let is_whole = |count: usize| count == 0 || count == 3;
-    if line.id(1)? != 0 && !(is_whole(translations) && is_whole(held.len() - translations)) {
+    if line.id(1)? != 0 && !is_without_axes(held) {
         return Err(Gap::Unread("holds nodes along local directions".into()));
     }
     Ok(held)
+}
+
+/// Fails if a value holds only after a birth time or before a death time, because all cards hold at all times here.
+fn refuse_times(line: &DynaLine, birth: usize, death: usize) -> Result<(), Gap> {
+    // Defaults of the death time of supports and motions are 1e20 and 1e28; 0 stands for the default.
+    let (birth, death) = (line.number(birth)?.unwrap_or(0.0), line.number(death)?.unwrap_or(0.0));
+    if birth > 0.0 || death > 0.0 && death < 1e20 {
+        let end = if death > 0.0 { format!(" to {death}") } else { String::new() };
+        return Err(Gap::Unread(format!("holds only from time {birth}{end}")));
+    }
+    Ok(())
 }
 
 /// Motion of a node or of a node set.
@@ -72,11 +85,8 @@ fn motion(line: &DynaLine, nodes: Vec<u32>) -> Result<GroupMeaning, Gap> {
         // The rest of the card cannot be read either: some of these motions have a second line.
         other => return Err(Gap::UnreadFromHere(format!("prescribes a motion with DOF = {other}"))),
     };
-    let time = |field, word: &str| {
-        let time = line.number(field)?.filter(|time| *time != 0.0);
-        Ok::<_, KeywordFault>(time.map(|time| format!(" {word} {time}")).unwrap_or_default())
-    };
-    let history = format!("{quantity} curve {}{}{}", line.whole(3)?, time(7, "from")?, time(6, "to")?);
+    refuse_times(line, 7, 6)?;
+    let history = format!("{quantity} curve {}", line.whole(3)?);
     let value = line.number(4)?.unwrap_or(1.0);
     let history = Some(history).filter(|_| value != 0.0);
     let held = dofs(nodes, Components::one(component));

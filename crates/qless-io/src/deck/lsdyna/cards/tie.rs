@@ -3,7 +3,7 @@
 //! translations of its nodes. The solver moves the slave node to this point.
 //!
 //! ```text
-//! line 1   SSID, MSID, SSTYP, MSTYP     types: 0 segment set, 2 part set, 3 part, 4 node set
+//! line 1   SSID, MSID, SSTYP, MSTYP, SBOXID, MBOXID     types: 0 segment set, 2 part set, 3 part, 4 node set
 //! line 2   friction
 //! line 3   SFS, SFM, SST, MST
 //! ```
@@ -26,6 +26,9 @@ const OF_THICKNESS: f64 = 0.6;
 /// The equations that tie the slave nodes of a contact to its master segments.
 pub fn tie(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
     let (line, mesh) = (&lines[0], &all.mesh);
+    if line.id(4)? != 0 || line.id(5)? != 0 {
+        return Err(Gap::Unread("ties only what is in a box (SBOXID, MBOXID)".into()));
+    }
     let thickness = match lines.get(2) {
         Some(line) => line.number(2)?.unwrap_or(0.0).abs() + line.number(3)?.unwrap_or(0.0).abs(),
         None => 0.0,

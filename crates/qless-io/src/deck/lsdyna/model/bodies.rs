@@ -28,6 +28,8 @@ pub struct RigidReference {
 #[derive(Default)]
 pub struct DynaDefinitions {
     pub mesh: DynaMesh,
+    /// For each body that is merged into another, the reference nodes of both.
+    pub merged: FxHashMap<u32, u32>,
     bodies: FxHashMap<u32, RigidReference>,
 }
 

@@ -245,11 +245,25 @@ fn option_lines(kind: ElementKind, option: &str) -> Option<usize> {
 /// The line with the numbers of a part, and, if the card has it, the line with its centre of mass.
 pub type PartLines<'a> = (DynaLine<'a>, Option<DynaLine<'a>>);
 
+/// Options of `*PART` that this reader knows. Each adds a line to a part, and `INERTIA` adds more.
+const OPTIONS: [&str; 5] = ["INERTIA", "REPOSITION", "CONTACT", "PRINT", "ATTACHMENT"];
+
+fn part_options(card: &DynaCard) -> Vec<&str> {
+    card.keyword.split('_').skip(1).filter(|option| *option != "NODES").collect()
+}
+
+/// Whether a card defines parts, which may be rigid, with an option that this reader does not know. Parts of composites, of averaged trusses
+/// and of annealed elements are not rigid.
+pub fn has_unknown_option(card: &DynaCard) -> bool {
+    let mut options = part_options(card).into_iter();
+    options.any(|option| !OPTIONS.contains(&option) && !["COMPOSITE", "LONG", "AVERAGED", "ANNEAL"].contains(&option))
+}
+
 /// The parts on a card. Each has a line with a title, a line with numbers, and more lines for options. If the card has other options than
-/// these, no parts are returned, so that none becomes rigid.
+/// these, no parts are returned, so that none becomes rigid: see [`has_unknown_option`].
 pub fn part_lines<'a>(card: &'a DynaCard, parameters: &'a Parameters) -> Result<Vec<PartLines<'a>>, KeywordFault> {
-    let options: Vec<&str> = card.keyword.split('_').skip(1).collect();
-    if options.iter().any(|option| !["INERTIA", "REPOSITION", "CONTACT", "PRINT"].contains(option)) {
+    let options = part_options(card);
+    if options.iter().any(|option| !OPTIONS.contains(option)) {
         return Ok(Vec::new());
     }
     let has_inertia = options.contains(&"INERTIA");

@@ -3,9 +3,12 @@
 
 use std::sync::Arc;
 
+use rustc_hash::FxHashSet;
+
 use super::fields::{DynaLine, FieldLayout, FieldWidth, Parameters};
 use crate::bytes::LINE;
 use crate::deck::{DeckError, Problem, Sources};
+use crate::number::real;
 
 /// A card. `data` is the range of its lines in the text of the file.
 #[derive(Clone)]
@@ -56,6 +59,15 @@ fn raw_lines(text: &[u8]) -> impl Iterator<Item = &[u8]> + Clone {
 pub struct DynaCards {
     pub all: Vec<DynaCard>,
     pub parameters: Parameters,
+    /// Names of parameters that a later definition may change.
+    changing: FxHashSet<Vec<u8>>,
+    /// Whether later definitions of parameters replace earlier ones. By default, LS-DYNA ignores them.
+    replaces: bool,
+    /// Warnings about parameters: file, line and text.
+    pub remarks: Vec<(u32, u32, String)>,
+    /// The `*CASE_BEGIN` cards: keyword, file, line, and number of cards up to `*CASE_END`. These cards are not in `all`.
+    pub cases: Vec<(String, u32, u32, usize)>,
+    is_in_case: bool,
     /// The folders that `*INCLUDE_PATH` names.
     folders: Vec<String>,
 }
@@ -116,8 +128,17 @@ impl DynaCards {
                 "INCLUDE_PATH" | "INCLUDE_PATH_RELATIVE" => {
                     self.folders.extend(file_names(&card).into_iter().map(|(name, _)| name));
                 }
-                "PARAMETER" | "PARAMETER_LOCAL" => self.parameters(&card, 4),
-                "PARAMETER_EXPRESSION" | "PARAMETER_EXPRESSION_LOCAL" => self.parameters(&card, 1),
+                "PARAMETER_DUPLICATION" => {
+                    let none = Parameters::default();
+                    self.replaces = card.filled(&none).next().is_some_and(|line| matches!(line.field(0), b"2" | b"4"));
+                }
+                name if name == "PARAMETER" || name.starts_with("PARAMETER_") => self.parameters(&card),
+                name if name.starts_with("CASE_BEGIN") => {
+                    self.cases.push((card.keyword, card.file, card.line, 0));
+                    self.is_in_case = true;
+                }
+                name if name.starts_with("CASE_END") => self.is_in_case = false,
+                _ if self.is_in_case => self.cases.iter_mut().next_back().into_iter().for_each(|case| case.3 += 1),
                 _ => self.all.push(card),
             }
             line += memchr::memchr_iter(b'\n', &text[at..next]).count();
@@ -126,15 +147,40 @@ impl DynaCards {
         Ok(())
     }
 
-    /// Reads `*PARAMETER`: pairs of a name and a value; the first letter of a name gives the type. In `*PARAMETER_EXPRESSION`, only
-    /// expressions that are numbers can be used.
-    fn parameters(&mut self, card: &DynaCard, pairs: usize) {
+    /// Reads `*PARAMETER`: pairs of a name and a value; the first letter of a name gives the type. In `*PARAMETER_EXPRESSION`, which has one
+    /// name on a line, only expressions that are numbers have a known value.
+    fn parameters(&mut self, card: &DynaCard) {
         let none = Parameters::default();
         for line in card.filled(&none) {
-            for pair in 0..pairs {
-                let [_, name @ ..] = line.field(2 * pair) else { continue };
-                self.parameters.insert(name.trim_ascii().to_ascii_uppercase(), line.field(2 * pair + 1).to_vec());
+            if card.keyword.contains("_EXPRESSION") {
+                let (name, text) = line.split_first();
+                self.define(card, &line, name, Some(text).filter(|text| real(text).is_ok()));
+                continue;
             }
+            for pair in 0..4 {
+                self.define(card, &line, line.field(2 * pair), Some(line.field(2 * pair + 1)));
+            }
+        }
+    }
+
+    /// Defines a parameter. Of two definitions the first counts. The value is not known if the second may count, or not for all cards.
+    fn define(&mut self, card: &DynaCard, line: &DynaLine, field: &[u8], value: Option<&[u8]>) {
+        let [_, name @ ..] = field else { return };
+        let name = name.trim_ascii().to_ascii_uppercase();
+        let value = value.filter(|_| !self.is_in_case).map(<[u8]>::to_vec);
+        if self.replaces || ["_LOCAL", "_MUTABLE"].iter().any(|option| card.keyword.contains(option)) {
+            self.changing.insert(name.clone());
+        }
+        match self.parameters.get_mut(&name) {
+            Some(first) if *first == value => {}
+            Some(first) if self.changing.contains(&name) => *first = None,
+            Some(_) => {
+                let shown = String::from_utf8_lossy(&name);
+                let text =
+                    format!("the parameter {shown} is defined again: its first definition counts, as in LS-DYNA");
+                self.remarks.push((card.file, line.number, text));
+            }
+            None => drop(self.parameters.insert(name, value)),
         }
     }
 }

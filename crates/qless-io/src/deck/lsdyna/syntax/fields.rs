@@ -50,8 +50,8 @@ impl FieldLayout {
     }
 }
 
-/// The texts of the parameters that `*PARAMETER` defines, by name in capitals.
-pub type Parameters = FxHashMap<Vec<u8>, Vec<u8>>;
+/// The texts of the parameters that `*PARAMETER` defines, by name in capitals; `None` if the value is not known.
+pub type Parameters = FxHashMap<Vec<u8>, Option<Vec<u8>>>;
 
 /// A fault in a line: the number of the line, the field (from 1) if one is at fault, and the problem.
 #[derive(Debug)]
@@ -91,6 +91,19 @@ impl<'a> DynaLine<'a> {
         rest[..rest.len().min(width)].trim_ascii()
     }
 
+    /// The text of the first field, and all of the line after it. A comma ends the first field only if no blank or parenthesis is before it.
+    pub fn split_first(&self) -> (&'a [u8], &'a [u8]) {
+        let ends_name = |comma: &usize| {
+            let name = self.text[..*comma].trim_ascii().get(1..).unwrap_or_default().trim_ascii();
+            !name.iter().any(|byte| byte.is_ascii_whitespace() || *byte == b'(')
+        };
+        let (first, rest) = match memchr::memchr(b',', self.text).filter(ends_name) {
+            Some(comma) => (&self.text[..comma], &self.text[comma + 1..]),
+            None => self.text.split_at(self.layout.place(1, self.width).0.min(self.text.len())),
+        };
+        (first.trim_ascii(), rest.trim_ascii())
+    }
+
     /// The number of fields up to the last one that is not empty; at most `most` fields are examined.
     pub fn count(&self, most: usize) -> usize {
         (0..most).rev().find(|&field| !self.field(field).is_empty()).map_or(0, |last| last + 1)
@@ -104,11 +117,15 @@ impl<'a> DynaLine<'a> {
             [b'-', b'&', name @ ..] => (-1.0, name),
             _ => return self.parse(field, text),
         };
-        let value = self.parameters.get(name.trim_ascii().to_ascii_uppercase().as_slice()).ok_or_else(|| {
-            let name = String::from_utf8_lossy(name).into_owned();
-            self.fault_at(field, Problem::Undefined { what: "parameter", name })
-        })?;
-        Ok(self.parse(field, value)?.map(|value| sign * value))
+        let shown = String::from_utf8_lossy(name);
+        match self.parameters.get(name.trim_ascii().to_ascii_uppercase().as_slice()) {
+            Some(Some(value)) => Ok(self.parse(field, value)?.map(|value| sign * value)),
+            Some(None) => {
+                let what = format!("the value of the parameter {shown}");
+                Err(self.fault_at(field, Problem::NotFollowed { what }))
+            }
+            None => Err(self.fault_at(field, Problem::Undefined { what: "parameter", name: shown.into_owned() })),
+        }
     }
 
     fn parse(&self, field: usize, text: &[u8]) -> Result<Option<f64>, KeywordFault> {

@@ -27,6 +27,8 @@ use crate::deck::{CardFault, Solver};
 pub struct BulkData {
     /// Whether the deck is for MYSTRAN, which reads some cards differently.
     pub is_mystran: bool,
+    /// Whether `PARAM,AUTOMSET,NO` forbids OptiStruct to choose other dependent components.
+    pub keeps_dependent: bool,
     pub grids: Grids,
     pub scalars: Vec<PointSpan>,
     /// The content and the place of the `GRDSET` card, if there is one.
@@ -57,10 +59,10 @@ pub struct BulkData {
 
 /// Returns the name if cards with it must be read. `name` is in capitals. `None` for cards that are skipped.
 pub fn known(name: &[u8]) -> Option<&'static str> {
-    const READ: [&str; 30] = [
+    const READ: [&str; 31] = [
         "GRID", "GRDSET", "SPOINT", "EPOINT", "CORD1R", "CORD1C", "CORD1S", "CORD2R", "CORD2C", "CORD2S", "MPC",
         "MPCADD", "RBE1", "RBE2", "RBE3", "RBAR", "RROD", "SPC", "SPC1", "SPCADD", "SPCD", "LOAD", "FORCE", "MOMENT",
-        "SLOAD", "RBAR1", "RJOINT", "RTRPLT", "RTRPLT1", "JOINTG",
+        "SLOAD", "RBAR1", "RJOINT", "RTRPLT", "RTRPLT1", "JOINTG", "PARAM",
     ];
     static KNOWN: LazyLock<FxHashMap<&[u8], &str>> = LazyLock::new(|| {
         READ.into_iter().chain(unread::names()).chain(exclusive::names()).map(|name| (name.as_bytes(), name)).collect()
@@ -107,6 +109,10 @@ impl BulkData {
             "SPC" => self.supports.extend(in_set(card, spc(card)?)?),
             "SPC1" => self.supports.extend(in_set(card, vec![spc1(card, self.is_mystran)?])?),
             "SPCD" => self.enforced.extend(in_set(card, spc(card)?)?),
+            "PARAM" => {
+                let [name, value] = [0, 1].map(|i| card.field(i).to_ascii_uppercase());
+                self.keeps_dependent |= name == b"AUTOMSET" && value.starts_with(b"N");
+            }
             "LOAD" => loads::combination(card, &mut self.combinations)?,
             "FORCE" => self.loads.push(loads::vector(card, 1)?),
             "MOMENT" => self.loads.push(loads::vector(card, 4)?),

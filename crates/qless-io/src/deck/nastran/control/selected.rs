@@ -130,9 +130,13 @@ fn only(kind: &str, uses: &SetUses, unions: &SetUnions, model: &mut Model) -> Op
     // A union that contains all sets is probably what the user wants to select.
     let is_whole =
         |set: &&u32| members(**set, unions).is_ok_and(|members| uses.keys().all(|set| members.contains(set)));
-    let set = *if uses.len() > 1 { unions.keys().find(is_whole) } else { uses.keys().next() }?;
+    let (set, which) = if uses.len() > 1 {
+        (*unions.keys().find(is_whole)?, "which unites all others")
+    } else {
+        (*uses.keys().next()?, "the only one")
+    };
     let (place, _) = uses.values().next()?;
-    let text = format!("the deck has no case control: {kind} set {set}, the only one, is used");
+    let text = format!("the deck has no case control: {kind} set {set}, {which}, is used");
     model.warn(place.file, place.line, text);
     Some(SetChoice { set, file: place.file, line: place.line })
 }

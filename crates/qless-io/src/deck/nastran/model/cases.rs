@@ -1,5 +1,7 @@
 //! Builds the prescribed DOFs and the loads of a load case.
 
+use std::collections::BTreeMap;
+
 use super::NastranModel;
 use super::points::{PointKind, Points, limited};
 use crate::deck::nastran::cards::sets::PointSupport;
@@ -16,7 +18,9 @@ impl NastranModel<'_> {
             limited(all.len()).map_err(|problem| place.error(problem, self.model))?;
         }
         let (mut prescribed, mut clashes) = split_clashes(all);
-        enforce(self.enforced(sets)?, &mut prescribed, &mut clashes);
+        let enforced = self.enforced(sets)?;
+        self.refuse_unsupported(&enforced, &prescribed);
+        enforce(enforced, &mut prescribed, &mut clashes);
         let removed =
             sets_of.iter().filter(|(_, set)| !sets.mpc.contains(set)).map(|&(equation, _)| equation).collect();
         Ok(LoadCase { name: name.to_owned(), prescribed, clashes, loads: self.loads(sets), removed })
@@ -79,6 +83,17 @@ impl NastranModel<'_> {
             return Err(self.model.error(infinite.origin, None, Problem::Degenerate { what }));
         }
         Ok(all)
+    }
+
+    /// Refuses enforced values of components that nothing prescribes in the case: by the manuals, a selected `SPC` or `SPC1` must name them.
+    fn refuse_unsupported(&mut self, enforced: &[Prescribed], prescribed: &[Prescribed]) {
+        let is_free = |given: &&Prescribed| prescribed.binary_search_by_key(&given.dof, |given| given.dof).is_err();
+        let free = enforced.iter().filter(is_free).rev().map(|free| ((free.origin.card, free.origin.line), free.dof));
+        for ((card, line), dof) in free.collect::<BTreeMap<_, Dof>>() {
+            let card = self.model.cards.nth(card);
+            let text = format!("{} enforces {dof}, which no selected SPC or SPC1 card names: name it there", card.name);
+            self.model.refuse(card.file, line, text);
+        }
     }
 
     fn loads(&mut self, sets: &CaseSets) -> Vec<Load> {

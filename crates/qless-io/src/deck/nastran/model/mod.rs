@@ -34,6 +34,7 @@ const MULTIPLIERS: &str = "RIGID: Lagrange multipliers or stiffness enforce the 
 pub fn build(mut content: NastranContent, sources: &Sources) -> Result<Model, DeckError> {
     let mut model = Model::new(sources.paths().to_vec());
     model.has_separate_cases = true;
+    model.traits.keeps_dependent = content.bulk.keeps_dependent;
     std::mem::take(&mut content.bulk.notes).add_to(&mut model);
     let points = points(&mut content.bulk, &mut model)?;
     let multiplied = content.control.as_ref().and_then(|control| control.multipliers);
@@ -58,6 +59,9 @@ pub fn build(mut content: NastranContent, sources: &Sources) -> Result<Model, De
     }
     exclusive::claim(&content.bulk.exclusive, &points, &mut model)?;
     model.warnings = brief(std::mem::take(&mut model.warnings));
+    // Load cases that select the same sets repeat what is refused.
+    let mut seen = BTreeSet::new();
+    model.refusals.retain(|refusal| seen.insert((refusal.file, refusal.line, refusal.text.clone())));
     model.refusals = brief(std::mem::take(&mut model.refusals));
     Ok(model)
 }
