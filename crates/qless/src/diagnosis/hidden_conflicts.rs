@@ -65,11 +65,9 @@ pub(crate) fn find(
     for (k, rest) in unclear.into_iter().zip(mismatches(kept, keys, rule, &rows)) {
         let d = &mut dependent[k];
         let found = Dependent::new(d.row, rest, d.dropped, d.source.clone(), rule);
-        // If the equation has no right-hand side of its own, terms within the error may be rounding.
-        let has_side = rule.side(d.row).size > 0.0 || rest.size > MORE_THAN_ROUNDING * rest.error;
         if rest.value.is_finite() && (found.kind == Kind::Conflicting || found.is_suspect) {
             *d = found;
-        } else if has_side && found.is_excused(rule.tolerance) {
+        } else if found.is_excused(rule.tolerance) {
             reclassify(d, least[labels.of_row[d.row] as usize], kept.parts().2, rule);
         }
     }
