@@ -322,13 +322,15 @@ impl Pipeline<'_> {
         let eliminated = Eliminated::join(groups.map_err(|row| AnalysisError::Range { row: row.0 })?);
         let parts = eliminated.components(local.free());
         let presolved = Instant::now();
-        let keys = if parts.is_empty() {
-            RandomKeys::default()
-        } else {
-            RandomKeys::within_components(&Labels::of(local), local)
+        let draw = || {
+            let keys = RandomKeys::within_components(&Labels::of(local), local);
+            let random = random_sides(&eliminated, &keys);
+            (keys, random)
         };
-        let random = if parts.is_empty() { Vec::new() } else { random_sides(&eliminated, &keys) };
-        let mut blocks = Block::gather(&eliminated.rows, &parts, local.free(), &random, !is_absolute);
+        let gather = || Block::gather(&eliminated.rows, &parts, local.free(), !is_absolute);
+        let ((keys, random), mut blocks) =
+            if parts.is_empty() { Default::default() } else { rayon::join(draw, gather) };
+        blocks.iter_mut().for_each(|block| block.set_random(&random));
         // The order of the results does not depend on the threads.
         let diagnosed = block::diagnose_all(&mut blocks, context)?;
         let (diagnosed, triangles): (Vec<Diagnosed>, Vec<Triangle>) = diagnosed.into_iter().unzip();

@@ -21,7 +21,7 @@ use crate::input::components::Labels;
 use crate::input::noise::{TYPED, last_digit, typed_precision};
 use crate::input::numbering::LocalSystem;
 use crate::input::scale::{Scaling, ldexp};
-use crate::presolve::basis::{Basis, Kept};
+use crate::presolve::basis::Basis;
 
 /// Number of right-hand sides with random signs that are solved together.
 const SIGNS: usize = 8;
@@ -93,6 +93,9 @@ impl KeptRows<'_> {
         let mut weights: Vec<Vec<f64>> = cores.iter().map(|core| vec![1.0; core.rows.len()]).collect();
         let mut growth = vec![1.0; cores.len()];
         let mut sides = vec![None; self.system.equations()];
+        let blocks = self.blocks.par_iter().zip(self.triangles).zip(&self.basis.blocks);
+        let is_accurate =
+            blocks.map(|((block, triangle), kept)| triangle.is_accurate(block, kept.nearness.sigma)).collect();
         for step in 0..STEPS {
             for (core, weights) in cores.iter().zip(&weights) {
                 for ((&row, weight), k) in core.rows.iter().zip(weights).zip(0..) {
@@ -100,7 +103,7 @@ impl KeptRows<'_> {
                     sides[row as usize] = Some(std::array::from_fn(|lane| weight * sign(lane)));
                 }
             }
-            let u = self.solved(&sides);
+            let u = self.solved(&sides, &is_accurate);
             let size = |j: u32| (u[j as usize].iter().map(|u| u * u).sum::<f64>() / SIGNS as f64).sqrt();
             for ((core, weights), growth) in cores.iter().zip(&mut weights).zip(&mut growth) {
                 let entry = |i: u32, j: u32, v: f64| self.scaling.entry(i as usize, j as usize, v).abs();
@@ -115,8 +118,8 @@ impl KeptRows<'_> {
     }
 
     /// A solution `u = X g` of `K u = g` for the kept equations K, by DOF. `sides` holds the right-hand sides g by the user's row. Both u
-    /// and g are in scaled rows and columns.
-    fn solved(&self, sides: &[Option<Lanes>]) -> Vec<Lanes> {
+    /// and g are in scaled rows and columns. `is_accurate` says for each block whether [`Triangle::is_accurate`].
+    fn solved(&self, sides: &[Option<Lanes>], is_accurate: &Vec<bool>) -> Vec<Lanes> {
         let Self { system, basis, history, scaling, .. } = *self;
         let mut after: Vec<Lanes> = Vec::with_capacity(history.steps.len());
         let own = |row: u32| sides[history.rows[row as usize] as usize].unwrap_or_default();
@@ -131,11 +134,11 @@ impl KeptRows<'_> {
             after.push(side(row, &after));
         }
         let mut u = vec![Lanes::default(); system.dofs()];
-        let of_block = |((block, triangle), kept): ((&Block, &Triangle), &Kept)| {
+        let of_block = |((block, triangle), &is_accurate): ((&Block, &Triangle), &bool)| {
             let right = |&i: &usize| side(block.rows[i], &after).map(|v| ldexp(v, block.exponents[i]));
-            shortest(block, triangle, kept.nearness.sigma, &triangle.rows.iter().map(right).collect())
+            shortest(block, triangle, is_accurate, &triangle.rows.iter().map(right).collect())
         };
-        let blocks = self.blocks.par_iter().zip(self.triangles).zip(&basis.blocks);
+        let blocks = self.blocks.par_iter().zip(self.triangles).zip(is_accurate);
         let solved: Vec<Vec<Lanes>> = blocks.map(of_block).collect();
         for (block, x) in self.blocks.iter().zip(solved) {
             let restored = x.iter().zip(&block.units).map(|(x, &unit)| x.map(|x| ldexp(x, unit)));
@@ -166,13 +169,13 @@ fn precision(core: &Core, distance: f64) -> f64 {
 }
 
 /// The minimum-norm solutions of a block. With several threads, each half of the right-hand sides is solved on its own thread.
-fn shortest(block: &Block, triangle: &Triangle, sigma: f64, sides: &Vec<Lanes>) -> Vec<Lanes> {
+fn shortest(block: &Block, triangle: &Triangle, is_accurate: bool, sides: &Vec<Lanes>) -> Vec<Lanes> {
     if rayon::current_num_threads() == 1 {
-        return triangle.nearly_shortest(block, sides, sigma);
+        return triangle.nearly_shortest(block, sides, is_accurate);
     }
     let half = |first: usize| {
         let sides = sides.iter().map(|side| std::array::from_fn(|lane| side[first + lane])).collect();
-        triangle.nearly_shortest::<{ SIGNS / 2 }>(block, &sides, sigma)
+        triangle.nearly_shortest::<{ SIGNS / 2 }>(block, &sides, is_accurate)
     };
     let (first, second) = rayon::join(|| half(0), || half(SIGNS / 2));
     let join = |(a, b): (&[f64; SIGNS / 2], &[f64; SIGNS / 2])| {

@@ -75,20 +75,33 @@ impl Factor {
     /// An upper estimate of the smallest singular value of the triangular factor R1, and its right singular vector, by five steps of
     /// inverse iteration with `R1^T R1`. Each step takes two triangular solves. Returns 1 and an empty vector if the rank is 0.
     pub(crate) fn smallest_singular_value(&self) -> (f64, Vec<f64>) {
+        self.after_first_estimate(self.first_estimate().1)
+    }
+
+    /// The estimate of the first step of [`Factor::smallest_singular_value`], with the vector from which the other steps go on.
+    pub(crate) fn first_estimate(&self) -> (f64, Vec<f64>) {
+        let mut x = (0..self.rank).map(|i| 1.0 + 0.1 * (i % 7) as f64).collect();
+        (self.inverse_iteration(&mut x), x)
+    }
+
+    /// The result of [`Factor::smallest_singular_value`], from the vector of [`Factor::first_estimate`].
+    pub(crate) fn after_first_estimate(&self, mut x: Vec<f64>) -> (f64, Vec<f64>) {
         if self.rank == 0 {
-            return (1.0, Vec::new());
+            return (1.0, x);
         }
-        let mut x: Vec<f64> = (0..self.rank).map(|i| 1.0 + 0.1 * (i % 7) as f64).collect();
-        let mut sigma = 0.0;
-        for _ in 0..STEPS {
-            normalize(&mut x);
-            let mut half = self.solve_transposed(&x);
-            sigma = 1.0 / norm(&half);
-            normalize(&mut half);
-            x = self.solved(&half);
-        }
+        let sigma = (1..STEPS).fold(0.0, |_, _| self.inverse_iteration(&mut x));
         normalize(&mut x);
         (if sigma.is_finite() { sigma } else { 0.0 }, x)
+    }
+
+    /// A step `x <- R1^-1 R1^-T x` of inverse iteration; returns its estimate `1 / |R1^-T x|` for an x of norm 1.
+    fn inverse_iteration(&self, x: &mut Vec<f64>) -> f64 {
+        normalize(x);
+        let mut half = self.solve_transposed(x);
+        let sigma = 1.0 / norm(&half);
+        normalize(&mut half);
+        *x = self.solved(&half);
+        sigma
     }
 }
 

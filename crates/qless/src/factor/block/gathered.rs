@@ -34,8 +34,8 @@ pub(crate) struct Block {
     /// For each row, the largest [`Entry::certain_left`] of its free DOFs: the fraction of a coefficient's largest term that certainly
     /// remains after cancellation. Coefficients that presolve dropped count too.
     pub certain: Vec<f64>,
-    /// A random right-hand side, to which presolve was applied as to the rows.
-    pub random: Vec<f64>,
+    /// A random right-hand side, to which presolve was applied as to the rows; for each block as in `effective`.
+    pub random: Vec<Vec<f64>>,
 }
 
 /// Data that all stages of a block use.
@@ -69,24 +69,18 @@ impl Block {
         selected
     }
 
-    /// Gathers blocks of the given rows, scaled and in balanced units unless the tolerance is absolute. `random` has a number for every
-    /// row. A free DOF is in one block at most.
-    pub fn gather(
-        rows: &[WorkingRow],
-        blocks: &[Vec<u32>],
-        is_free: &[bool],
-        random: &[f64],
-        is_scaled: bool,
-    ) -> Vec<Self> {
+    /// Gathers blocks of the given rows, scaled and in balanced units unless the tolerance is absolute. A free DOF is in one block at most.
+    /// [`Block::set_random`] must follow.
+    pub fn gather(rows: &[WorkingRow], blocks: &[Vec<u32>], is_free: &[bool], is_scaled: bool) -> Vec<Self> {
         let mut place = vec![u32::MAX; is_free.len()];
         let of_block = |block: &Vec<u32>| numbered(rows, block, is_free, &mut place);
         let dofs: Vec<Vec<u32>> = blocks.iter().map(of_block).collect();
-        let given = Given { rows, place: &place, random, is_scaled };
+        let given = Given { rows, place: &place, is_scaled };
         blocks.par_iter().zip(dofs).map(|(block, dofs)| Self::of(given, block, dofs)).collect()
     }
 
     fn of(given: Given, block: &[u32], dofs: Vec<u32>) -> Self {
-        let Given { rows, place, random, is_scaled } = given;
+        let Given { rows, place, is_scaled } = given;
         let all = block.iter().flat_map(|&i| rows[i as usize].entries.iter().map(|entry| entry.dof));
         let mut prescribed: Vec<u32> = all.filter(|&j| place[j as usize] == u32::MAX).collect();
         prescribed.sort_unstable();
@@ -105,11 +99,11 @@ impl Block {
             certain: Vec::new(),
             random: Vec::new(),
         };
-        block.iter().for_each(|&i| gathered.push(&rows[i as usize], place, random[i as usize], is_scaled));
+        block.iter().for_each(|&i| gathered.push(&rows[i as usize], place, is_scaled));
         gathered
     }
 
-    fn push(&mut self, row: &WorkingRow, place: &[u32], random: f64, is_scaled: bool) {
+    fn push(&mut self, row: &WorkingRow, place: &[u32], is_scaled: bool) {
         let free =
             || row.entries.iter().map(|entry| (place[entry.dof as usize], entry)).filter(|&(j, _)| j != u32::MAX);
         let free = || free().map(|(j, entry)| (j as usize, entry));
@@ -128,8 +122,13 @@ impl Block {
         self.rhs.push(ldexp(row.rhs, shift));
         self.effective[0].push(Mismatch::of_row(row).scaled(shift));
         self.certain.push(certain);
-        self.random.push(ldexp(random, shift));
         self.exponents.push(shift);
+    }
+
+    /// Sets the random right-hand side from numbers for all rows.
+    pub fn set_random(&mut self, random: &[f64]) {
+        let scaled = |(&i, &exponent): (&u32, &i32)| ldexp(random[i as usize], exponent);
+        self.random = vec![self.rows.iter().zip(&self.exponents).map(scaled).collect()];
     }
 
     /// Returns from balanced units to those of the rows, each row scaled to a largest coefficient of 1. Slaves are chosen, and reductions
@@ -149,7 +148,7 @@ impl Block {
             self.fixed.val[range].iter_mut().for_each(|v| *v = ldexp(*v, shift));
             self.rhs[i] = ldexp(self.rhs[i], shift);
             self.effective.iter_mut().for_each(|sides| sides[i] = sides[i].scaled(shift));
-            self.random[i] = ldexp(self.random[i], shift);
+            self.random.iter_mut().for_each(|sides| sides[i] = ldexp(sides[i], shift));
             self.exponents[i] += shift;
         }
         self.balanced.clone_from(&self.units);
@@ -169,7 +168,6 @@ struct Given<'a> {
     rows: &'a [WorkingRow],
     /// For each DOF, its column in its block; `u32::MAX` for a DOF in no block, such as a prescribed one.
     place: &'a [u32],
-    random: &'a [f64],
     is_scaled: bool,
 }
 

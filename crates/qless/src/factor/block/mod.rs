@@ -13,9 +13,8 @@ mod twins;
 mod unexplained;
 
 use crate::factor::backend::BackendError;
-use crate::presolve::basis::Vectors;
 use dependent::Rows;
-use triangle::Triangle;
+use triangle::{BlockVectors, Triangle};
 use unexplained::unexplained;
 
 pub(crate) use gathered::{Block, FactorContext};
@@ -24,8 +23,7 @@ pub(crate) use twins::diagnose_all;
 /// The diagnosis of a matrix; rows and DOFs are named by their places in it.
 struct Found {
     rows: Rows,
-    /// Only the two random vectors of the null space are set; the two minimum-norm solutions are empty.
-    motions: Vectors,
+    vectors: BlockVectors,
 }
 
 /// Finds which rows of a block depend on which, and how its DOFs can move.
@@ -36,21 +34,22 @@ struct Found {
 /// fixed DOFs are used.
 fn diagnose(block: &mut Block, means: FactorContext) -> Result<Found, BackendError> {
     let mut rows = dependent::find(block, means)?;
-    let mut motions = rows.triangle.motions(block);
-    let left = if means.check { unexplained(block, &mut rows, &motions.moves) } else { 0 };
+    let mut vectors = rows.triangle.vectors(block);
+    let left = if means.check { unexplained(block, &mut rows, &vectors.motions.moves) } else { 0 };
     let is_balanced = block.units.iter().any(|&unit| unit != 0);
     if is_balanced && left > 0 {
         let mut plain = block.clone();
         plain.restore_units();
         let mut other = dependent::find(&plain, means)?;
         if other.kept.len() > rows.kept.len() {
-            motions = other.triangle.motions(&plain);
-            unexplained(&plain, &mut other, &motions.moves);
+            vectors = other.triangle.vectors(&plain);
+            unexplained(&plain, &mut other, &vectors.motions.moves);
             (*block, rows) = (plain, other);
         }
     }
+    let BlockVectors { motions, solutions } = &mut vectors;
     motions.set_resting(&block.matrix, &rows.kept, rows.nearness.sigma);
-    motions.restore_units(&block.units);
+    [&mut *motions].into_iter().chain(solutions).for_each(|some| some.restore_units(&block.units));
     if is_balanced && motions.resting() > 0 {
         let mut plain = block.clone();
         plain.restore_units();
@@ -60,9 +59,9 @@ fn diagnose(block: &mut Block, means: FactorContext) -> Result<Found, BackendErr
             let mut other = triangle.motions(&plain);
             other.set_resting(&plain.matrix, &rows.kept, triangle.factor.smallest_singular_value().0);
             if other.resting() < motions.resting() {
-                motions = other;
+                *motions = other;
             }
         }
     }
-    Ok(Found { rows, motions })
+    Ok(Found { rows, vectors })
 }

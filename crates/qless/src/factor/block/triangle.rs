@@ -11,12 +11,14 @@
 use std::sync::Arc;
 
 use rayon::prelude::*;
+use rayon::{FnContext, join_context};
 
 use super::gathered::{Block, FactorContext};
 use crate::common::random::signed;
 use crate::factor::backend::many::{Slab, WIDTH, slabs};
 use crate::factor::backend::{BackendError, Factor};
 use crate::presolve::basis::Vectors;
+use crate::presolve::eliminated::Mismatch;
 
 /// Seeds of the two random vectors of the null space: an entry can be zero by chance in one of them, but hardly in both.
 const SEEDS: [u64; 2] = [0x51ed_270b, 0x85eb_ca6b];
@@ -28,6 +30,9 @@ const DONE: f64 = 1e-12;
 
 /// Allowed relative error of a solution from which an estimate is computed. A report shows the estimate to a tenth of a digit.
 const ENOUGH: f64 = 1e-3;
+
+/// Certificates with at most this many coefficients in total are all computed at once.
+pub(super) const MANY: usize = 4_000_000;
 
 /// Two vectors, stored entry by entry.
 type VectorPair = Slab<2>;
@@ -42,6 +47,24 @@ pub(crate) struct Triangle {
     pub dropped: Vec<usize>,
     /// Number of rows whose certificates were asked for.
     asked: usize,
+    /// Results that another thread computed before they were asked for.
+    ahead: Ahead,
+}
+
+/// Results of [`Triangle::vectors`] and [`Triangle::certificates`], until they are asked for.
+#[derive(Clone, Default)]
+struct Ahead {
+    vectors: Option<BlockVectors>,
+    certificates: Option<Vec<Vec<f64>>>,
+}
+
+/// Vectors that a diagnosis needs of the factor, in the units of the block.
+#[derive(Clone)]
+pub(crate) struct BlockVectors {
+    /// Only the two random vectors of the null space are set.
+    pub motions: Vectors,
+    /// For each block of [`Block::effective`], the two minimum-norm solutions; only these are set.
+    pub solutions: Vec<Vectors>,
 }
 
 /// The random vectors by columns, as right-hand sides of a factorization of `C^T`.
@@ -55,7 +78,7 @@ impl Triangle {
     pub fn whole(factor: Factor) -> Self {
         let (rows, dropped) = factor.order.split_at(factor.rank);
         let (rows, dropped) = (rows.to_vec(), dropped.to_vec());
-        Self { factor: Arc::new(factor), rows, dropped, asked: 0 }
+        Self { factor: Arc::new(factor), rows, dropped, asked: 0, ahead: Ahead::default() }
     }
 
     /// Factors rows that are known to be independent; rows that are dependent to the last bit are left out. The rows `asked` are right-hand
@@ -71,7 +94,7 @@ impl Triangle {
         let (rows, left_out) = factor.order.split_at(factor.rank);
         let rows = rows.iter().map(|&k| kept[k]).collect();
         let dropped = asked.iter().copied().chain(left_out.iter().map(|&k| kept[k])).collect();
-        Ok(Self { factor: Arc::new(factor), rows, dropped, asked: asked.len() })
+        Ok(Self { factor: Arc::new(factor), rows, dropped, asked: asked.len(), ahead: Ahead::default() })
     }
 
     /// Returns true if all dropped rows are columns of R2, so that certificates can be computed a few at a time.
@@ -86,7 +109,11 @@ impl Triangle {
 
     /// The certificates `y = R1^-1 Q^T c` of the rows c in [`Triangle::dropped`], with the QR factorization of the kept rows. Coefficients
     /// are in the order of [`Triangle::rows`].
-    pub fn certificates(&self) -> Vec<Vec<f64>> {
+    pub fn certificates(&mut self) -> Vec<Vec<f64>> {
+        self.ahead.certificates.take().unwrap_or_else(|| self.computed_certificates())
+    }
+
+    fn computed_certificates(&self) -> Vec<Vec<f64>> {
         let r = self.factor.rank;
         let asked = self.factor.rhs[SEEDS.len() * r..].chunks(r.max(1));
         let sides: Vec<&[f64]> = asked.collect();
@@ -100,14 +127,48 @@ impl Triangle {
         all
     }
 
-    /// The two minimum-norm solutions that a diagnosis needs.
-    pub fn solutions(&self, block: &Block) -> Vectors {
-        let sides = |c: usize, i: usize| match c {
-            0 => block.random[self.rows[i]],
-            _ => block.effective[0][self.rows[i]].value,
+    /// The smallest singular value of the factor and its singular vector. If the first estimate is above `doubtful`, these rows will hardly
+    /// change, and another thread, if it is idle, computes meanwhile what is asked next.
+    pub fn smallest_singular_value(&mut self, block: &Block, doubtful: f64) -> (f64, Vec<f64>) {
+        let (sigma, x) = self.factor.first_estimate();
+        if sigma <= doubtful || rayon::current_num_threads() == 1 {
+            return self.factor.after_first_estimate(x);
+        }
+        let ahead = |thread: FnContext| if thread.migrated() { self.ahead(block) } else { Ahead::default() };
+        let (found, ahead) = join_context(|_| self.factor.after_first_estimate(x), ahead);
+        self.ahead = ahead;
+        found
+    }
+
+    fn ahead(&self, block: &Block) -> Ahead {
+        let certificates = || (!self.has_many_certificates()).then(|| self.computed_certificates());
+        let (vectors, certificates) = rayon::join(|| Some(self.computed_vectors(block)), certificates);
+        Ahead { vectors, certificates }
+    }
+
+    /// Returns true if the certificates have too many coefficients to be computed before they are read.
+    pub fn has_many_certificates(&self) -> bool {
+        self.dropped.len().saturating_mul(self.rows.len()) > MANY && self.holds_dropped()
+    }
+
+    /// The vectors for a diagnosis of the block that was factored.
+    pub fn vectors(&mut self, block: &Block) -> BlockVectors {
+        self.ahead.vectors.take().unwrap_or_else(|| self.computed_vectors(block))
+    }
+
+    fn computed_vectors(&self, block: &Block) -> BlockVectors {
+        let (motions, solutions) = rayon::join(|| self.motions(block), || self.solutions(block));
+        BlockVectors { motions, solutions }
+    }
+
+    /// The two minimum-norm solutions for each of the blocks.
+    fn solutions(&self, block: &Block) -> Vec<Vectors> {
+        let of = |(random, effective): (&Vec<f64>, &Vec<Mismatch>)| {
+            let sides = |&i: &usize| [random[i], effective[i].value];
+            let x = self.shortest(block, &self.rows.iter().map(sides).collect());
+            Vectors { sample: lane(&x, 0), particular: lane(&x, 1), ..Vectors::default() }
         };
-        let x = self.shortest(block, &pair(self.rows.len(), sides));
-        Vectors { sample: lane(&x, 0), particular: lane(&x, 1), ..Vectors::default() }
+        block.random.par_iter().zip(&block.effective).map(of).collect()
     }
 
     /// Two random vectors of the null space. If there are as many rows as DOFs, the vectors are zero, because only rounding would remain.
@@ -144,11 +205,15 @@ impl Triangle {
         x
     }
 
-    /// As [`Triangle::shortest`], to a relative error of 1e-3: corrected only if necessary. A solve with the kept rows C and without
-    /// correction has the relative error `u |C|^2 / sigma^2`, where u is the rounding unit and sigma the smallest singular value of C.
-    pub fn nearly_shortest<const W: usize>(&self, block: &Block, b: &Slab<W>, sigma: f64) -> Slab<W> {
-        let enough = f64::EPSILON * self.size_squared(block) < ENOUGH * sigma * sigma;
-        if enough { self.first_shortest(block, b) } else { self.shortest(block, b) }
+    /// As [`Triangle::shortest`], to a relative error of 1e-3: corrected only if a solve without correction is not accurate.
+    pub fn nearly_shortest<const W: usize>(&self, block: &Block, b: &Slab<W>, is_accurate: bool) -> Slab<W> {
+        if is_accurate { self.first_shortest(block, b) } else { self.shortest(block, b) }
+    }
+
+    /// Returns true if a solve with the kept rows C and without correction has a relative error below 1e-3. The error is
+    /// `u |C|^2 / sigma^2`, where u is the rounding unit and sigma the smallest singular value of C.
+    pub fn is_accurate(&self, block: &Block, sigma: f64) -> bool {
+        f64::EPSILON * self.size_squared(block) < ENOUGH * sigma * sigma
     }
 
     /// An upper bound of `|C_k|^2`, where `C_k` holds the rows of the block that this factor contains: the largest absolute row sum times

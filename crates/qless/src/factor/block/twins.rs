@@ -11,11 +11,11 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::gathered::{Block, FactorContext};
-use super::triangle::Triangle;
+use super::triangle::{BlockVectors, Triangle};
 use super::{Found, diagnose};
 use crate::Csr;
 use crate::factor::backend::BackendError;
-use crate::presolve::basis::{BlockCertificate, BlockDependent, Diagnosed, LateTerms};
+use crate::presolve::basis::{BlockCertificate, BlockDependent, Diagnosed, LateTerms, Vectors};
 
 /// Diagnoses blocks in the caller's pool, each matrix once. The results are in the order of the blocks.
 pub(crate) fn diagnose_all(
@@ -101,6 +101,7 @@ fn common(twins: &[&Block], columns: &SortedColumns) -> Block {
     columns.order.iter().for_each(|&j| by_column.append(columns.entries.row(j)));
     let matrix = by_column.transposed();
     let effective = twins.iter().map(|twin| twin.effective[0].clone()).collect();
+    let random = twins.iter().map(|twin| twin.random[0].clone()).collect();
     let units = columns.order.iter().map(|&j| first.units[j]).collect();
     Block {
         rows: (0..first.rows.len() as u32).collect(),
@@ -114,7 +115,7 @@ fn common(twins: &[&Block], columns: &SortedColumns) -> Block {
         rhs: first.rhs.clone(),
         effective,
         certain: first.certain.clone(),
-        random: first.random.clone(),
+        random,
     }
 }
 
@@ -125,16 +126,18 @@ fn translated(
     place: usize,
     (units, found): &(Vec<i32>, Found),
 ) -> (Diagnosed, Triangle) {
-    let Found { rows, motions } = found;
+    let Found { rows, vectors: BlockVectors { motions, solutions } } = found;
     if columns.iter().zip(units).any(|(&j, &unit)| block.units[j] != unit) {
         block.restore_units();
     }
-    let mut vectors = rows.triangle.solutions(block);
-    vectors.restore_units(&block.units);
-    vectors.moves.clone_from(&motions.moves);
-    for (own, common) in vectors.moves.iter_mut().zip(&motions.moves) {
+    let own = |common: &Vec<f64>| {
+        let mut own = vec![0.0; common.len()];
         columns.iter().zip(common).for_each(|(&j, &v)| own[j] = v);
-    }
+        own
+    };
+    let Vectors { sample, particular, .. } = &solutions[place];
+    let vectors =
+        Vectors { moves: motions.moves.each_ref().map(own), sample: own(sample), particular: own(particular) };
     let names: Arc<[u32]> = block.rows.as_slice().into();
     let dependent = |d: &BlockDependent| BlockDependent {
         row: names[d.row as usize],
@@ -206,7 +209,7 @@ mod tests {
             rhs: vec![1.0, second_side, 0.0],
             effective: vec![[1.0, second_side, 0.0].map(side).to_vec()],
             certain: vec![1.0; 3],
-            random: vec![0.5; 3],
+            random: vec![vec![0.5; 3]],
         }
     }
 

@@ -23,8 +23,8 @@ const SMALL_ROW: f64 = 1e-9;
 /// of the kept rows.
 pub(super) const CERTIFICATE_UNITS: f64 = 2.0;
 
-/// Certificates with at most this many coefficients in total are all computed at once.
-pub(super) const MANY: usize = 4_000_000;
+/// The estimate of a smallest singular value exceeds the value by at most this factor.
+pub(super) const ESTIMATE: f64 = 10.0;
 
 /// If the kept rows seem nearly dependent, rows are exchanged until no coefficient of a certificate exceeds this.
 pub(super) const STEEP: f64 = 2.0;
@@ -84,8 +84,12 @@ impl Choice {
     /// `sigma / (max |y_i| max |v_j|)` with the singular vectors y of the rows and v of the DOFs: the smallest change of one coefficient in
     /// the direction in which the rows are nearest to dependence. If sigma is at least [`NEAR`], the distance is set to sigma, a lower
     /// bound.
-    fn measured(block: &Block, triangle: Triangle, means: FactorContext) -> Self {
-        let (sigma, y) = if means.check { triangle.factor.smallest_singular_value() } else { (1.0, Vec::new()) };
+    fn measured(block: &Block, mut triangle: Triangle, means: FactorContext) -> Self {
+        let (sigma, y) = if means.check {
+            triangle.smallest_singular_value(block, ESTIMATE * means.tolerance)
+        } else {
+            (1.0, Vec::new())
+        };
         let place = largest_place(&y);
         let row = place.map_or(0, |k| triangle.rows[k]);
         let weakest = Weakest { row, left: place.map_or(sigma, |k| sigma / y[k].abs()) };
@@ -114,14 +118,11 @@ pub(super) fn rows(block: &Block, tableau: &Tableau, left: f64, choice: Choice, 
 }
 
 /// The dropped rows as combinations of the kept ones.
-pub(super) fn over_kept(triangle: &Triangle) -> Tableau {
+pub(super) fn over_kept(triangle: &mut Triangle) -> Tableau {
+    let data = triangle.certificates().concat();
     let names = |some: &[usize]| some.iter().map(|&i| i as u32).collect();
-    Tableau {
-        basic: names(&triangle.dropped),
-        free: names(&triangle.rows),
-        width: triangle.rows.len(),
-        data: triangle.certificates().concat(),
-    }
+    let (basic, free) = (names(&triangle.dropped), names(&triangle.rows));
+    Tableau { basic, free, width: triangle.rows.len(), data }
 }
 
 /// The remainder of dependent row i after subtracting its certificate.

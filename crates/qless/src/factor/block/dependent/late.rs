@@ -132,7 +132,7 @@ fn mismatches(block: &Block, given: &[Mismatch], triangle: &Triangle, sigma: f64
     let parts = |i: usize| block.matrix.row(i).map(|(j, v)| (v * x[j][0]).abs()).sum::<f64>();
     let rounding = |i: usize| f64::EPSILON * parts(i) + given[i].error;
     let errors = sides(&|lane, i| signs(lane, i) * rounding(i));
-    let errors = triangle.nearly_shortest(block, &errors, sigma);
+    let errors = triangle.nearly_shortest(block, &errors, triangle.is_accurate(block, sigma));
     let product =
         |x: &[[f64; LANES]], k: usize, lane: usize| block.matrix.row(k).map(|(j, v)| v * x[j][lane]).sum::<f64>();
     let rms = |x: &[[f64; LANES]], k: usize, first: usize| {

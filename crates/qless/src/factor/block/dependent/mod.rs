@@ -9,7 +9,7 @@ use super::triangle::{Triangle, seeds};
 use crate::factor::backend::faer::Faer;
 use crate::factor::backend::{Backend, BackendError};
 use crate::presolve::basis::NEAR;
-use certificate::{Choice, MANY, beyond_rounding, in_order, over_kept, rows};
+use certificate::{Choice, ESTIMATE, beyond_rounding, in_order, over_kept, rows};
 use late::late;
 use weak::{ROUNDS, unexplained, without_weak};
 
@@ -20,9 +20,6 @@ const DENSE: usize = 1 << 20;
 
 /// Tolerance for rows that are known to be independent; a tolerance of zero would let backends take rounding for a pivot.
 pub(crate) const NO_PIVOT: f64 = 1e-13;
-
-/// The estimate of a smallest singular value exceeds the value by at most this factor.
-const ESTIMATE: f64 = 10.0;
 
 pub(super) fn find(block: &Block, means: FactorContext) -> Result<Rows, BackendError> {
     let mut rows = independent(block, means)?;
@@ -36,12 +33,12 @@ fn independent(block: &Block, means: FactorContext) -> Result<Rows, BackendError
     let factor = backend.factor(&block.matrix, &seeds(block), tolerance)?;
     let order = factor.order.clone();
     let left = beyond_rounding(&factor, block);
-    let choice = Choice::new(block, factor, means)?;
+    let mut choice = Choice::new(block, factor, means)?;
     if !check {
-        return Ok(if are_many(&choice.triangle) {
+        return Ok(if choice.triangle.has_many_certificates() {
             late(block, left, choice, order)
         } else {
-            rows(block, &over_kept(&choice.triangle), left, choice, order)
+            rows(block, &over_kept(&mut choice.triangle), left, choice, order)
         });
     }
     let (m, n) = (block.matrix.rows(), block.matrix.cols);
@@ -66,26 +63,21 @@ fn independent(block: &Block, means: FactorContext) -> Result<Rows, BackendError
     ordered_or_repaired(block, means, choice, left, order)
 }
 
-/// Returns true if the certificates have too many coefficients to be computed before they are read.
-fn are_many(triangle: &Triangle) -> bool {
-    triangle.dropped.len().saturating_mul(triangle.rows.len()) > MANY && triangle.holds_dropped()
-}
-
 /// Repairs a choice whose rows are dependent to within the tolerance; otherwise keeps the earlier ones of equivalent equations.
 fn ordered_or_repaired(
     block: &Block,
     means: FactorContext,
-    choice: Choice,
+    mut choice: Choice,
     left: f64,
     order: Vec<usize>,
 ) -> Result<Rows, BackendError> {
     if choice.weakest.left <= means.tolerance && choice.near.distance < NEAR && !choice.triangle.rows.is_empty() {
         return repair(block, means, choice, order);
     }
-    if are_many(&choice.triangle) {
+    if choice.triangle.has_many_certificates() {
         return Ok(late(block, left, choice, order));
     }
-    let tableau = over_kept(&choice.triangle);
+    let tableau = over_kept(&mut choice.triangle);
     let (tableau, choice) = in_order(block, means, tableau, choice)?;
     Ok(rows(block, &tableau, left, choice, order))
 }
@@ -103,7 +95,7 @@ fn repair(block: &Block, means: FactorContext, mut choice: Choice, order: Vec<us
             dropped.push(kept.swap_remove(place));
             choice = Choice::of(block, &kept, &dropped, means)?;
         }
-        let tableau = over_kept(&choice.triangle);
+        let tableau = over_kept(&mut choice.triangle);
         let back = unexplained(block, &tableau, choice.triangle.rests(), means.tolerance)?;
         if back.is_empty() || round == ROUNDS {
             let left = choice.remainder(block);

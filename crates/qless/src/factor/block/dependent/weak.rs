@@ -9,14 +9,14 @@
 //! Two factorizations are enough. The certificates of the first one are good to some digits, and decide which of equivalent equations are
 //! kept. The second factorization computes the certificates to full accuracy.
 
-use super::certificate::{Choice, MANY, Rows, STEEP, in_order, later, over_kept, rest, rows, sounder};
+use super::certificate::{Choice, Rows, STEEP, in_order, later, over_kept, rest, rows, sounder};
 use crate::Csr;
 use crate::factor::backend::faer::Faer;
 use crate::factor::backend::null::Weak;
 use crate::factor::backend::{Backend, BackendError};
 use crate::factor::block::gathered::{Block, FactorContext};
 use crate::factor::block::tableau::Tableau;
-use crate::factor::block::triangle::Triangle;
+use crate::factor::block::triangle::{MANY, Triangle};
 use crate::presolve::basis::NEAR;
 
 /// Largest number of rounds in which rows are dropped and taken back in search of a sound choice.
@@ -51,7 +51,7 @@ pub(super) fn without_weak(
         None => drop_weak(found.columns, &mut kept, &mut dropped),
     }
     for _ in 0..ROUNDS {
-        let choice = Choice::of(block, &kept, &dropped, means)?;
+        let mut choice = Choice::of(block, &kept, &dropped, means)?;
         kept.clone_from(&choice.triangle.rows);
         // Many rows together can be nearer to dependence than the tolerance, although no single row is.
         if choice.weakest.left <= limit {
@@ -64,7 +64,7 @@ pub(super) fn without_weak(
                 continue;
             }
         }
-        let tableau = over_kept(&choice.triangle);
+        let tableau = over_kept(&mut choice.triangle);
         let unexplained = unexplained(block, &tableau, choice.triangle.rests(), limit)?;
         if unexplained.is_empty() {
             let left = choice.remainder(block);
