@@ -76,9 +76,9 @@ fn preferred_slaves_keep_the_bound_of_growth(backend: BackendChoice) {
         let mut random = Rng::new(seed);
         let n = 2 + random.below(5);
         let mut builder = SystemBuilder::new(n);
-        for _ in 0..1 + random.below(n - 1) {
+        for _ in 0..=random.below(n - 1) {
             let row: Vec<(usize, f64)> = (0..n).map(|j| (j, 2_f64.powi(random.below(24) as i32 - 12))).collect();
-            (0..1 + random.below(2)).for_each(|_| _ = builder.equation(row.iter().copied(), 0.0));
+            (0..=random.below(2)).for_each(|_| _ = builder.equation(row.iter().copied(), 0.0));
         }
         let system = builder.build().expect("valid");
         let slaves: Vec<usize> = (0..n).filter(|_| random.below(2) == 0).collect();

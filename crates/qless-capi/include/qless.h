@@ -22,7 +22,7 @@
 #define QLESS_VERSION_PATCH 0
 
 #define QLESS_OK 0         /* success */
-#define QLESS_AMBIGUOUS 1  /* success, but another rank or verdict is possible (qless_analyse, qless_deck_analyse) */
+#define QLESS_AMBIGUOUS 1  /* success, but another rank or verdict is possible (qless_analyse, qless_deck_analyse, qless_refresh) */
 #define QLESS_INCOMPLETE 2 /* success, but constraints of the deck were left out (qless_deck_read, qless_deck_clean) */
 #define QLESS_INPUT -1     /* an argument is not valid */
 #define QLESS_CONFLICT -2  /* equations conflict, so that there is no reduced form */
@@ -214,8 +214,8 @@ QLESS_API int qless_g_matrix_64(const qless_elimination *elimination, int64_t *s
 /* g, for the current b and prescribed values; length: the number of slaves. */
 QLESS_API int qless_g(const qless_elimination *elimination, double *g, int64_t length);
 
-/* Sets new b (one number for each equation) and prescribed values (in the order of qless_dofs). Slaves and T stay. QLESS_CONFLICT if
- * equations conflict for these values; nothing has changed then. */
+/* Sets new b (one number for each equation) and prescribed values (in the order of qless_dofs). Slaves and T stay. QLESS_AMBIGUOUS
+ * if another rank or verdict is possible; QLESS_CONFLICT if equations conflict for these values, and nothing has changed then. */
 QLESS_API int qless_refresh(qless_elimination *elimination, const double *rhs, int64_t rhs_length, const double *prescribed,
                             int64_t prescribed_length);
 

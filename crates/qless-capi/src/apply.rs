@@ -7,10 +7,11 @@ use qless::Elimination;
 
 use crate::arrays::{length, read, write};
 use crate::elimination::HeldElimination;
-use crate::handles::{on, qless_elimination, unharmed};
-use crate::status::CallFailure;
+use crate::handles::{get, on, qless_elimination, unharmed};
+use crate::status::{AMBIGUOUS, CallFailure, OK, guard};
 
-/// Sets new b and prescribed values; slaves and T stay. If equations then conflict, nothing changes.
+/// Sets new b and prescribed values; slaves and T stay. If equations then conflict, nothing changes. The returned status says whether the
+/// verdict on the new values is ambiguous.
 ///
 /// # Safety
 /// The arrays have the lengths that are given.
@@ -22,12 +23,14 @@ pub unsafe extern "C" fn qless_refresh(
     prescribed: *const f64,
     prescribed_length: i64,
 ) -> c_int {
-    on(elimination, |held: Arc<HeldElimination>| {
+    guard(|| {
+        let held: Arc<HeldElimination> = get(elimination)?;
         let lengths = (length("rhs", rhs_length)?, length("prescribed", prescribed_length)?);
         // SAFETY: the caller upholds the contract.
         let (rhs, prescribed) = unsafe { (read("rhs", rhs, lengths.0)?, read("prescribed", prescribed, lengths.1)?) };
         let mut known = unharmed(held.elimination.write())?;
-        Ok(known.update(rhs, prescribed)?)
+        known.update(rhs, prescribed)?;
+        Ok(if known.confidence().is_some_and(|of| of.ambiguous) { AMBIGUOUS } else { OK })
     })
 }
 

@@ -94,7 +94,7 @@ static void bad_options(void)
 static void conflicts(void)
 {
     const int32_t twice[] = {0, 1, 0, 1};
-    const double rhs[] = {0, 1}, same[] = {2, 2};
+    const double rhs[] = {0, 1}, same[] = {2, 2}, near[] = {2, 2 + 1e-11};
     double g[1];
     qless_analysis *analysis = NULL;
     qless_elimination *elimination = NULL;
@@ -105,6 +105,7 @@ static void conflicts(void)
     NEED(qless_eliminate(analysis, &elimination) == QLESS_OK);
     NEED(qless_refresh(elimination, rhs, 2, NULL, 0) == QLESS_CONFLICT);
     NEED(qless_g(elimination, g, 1) == QLESS_OK && g[0] == 0);
+    NEED(qless_refresh(elimination, near, 2, NULL, 0) == QLESS_AMBIGUOUS);
     NEED(qless_refresh(elimination, same, 2, NULL, 0) == QLESS_OK);
     NEED(qless_g(elimination, g, 1) == QLESS_OK && fabs(g[0]) == 2);
     NEED(qless_analysis_free(analysis) == QLESS_OK && qless_elimination_free(elimination) == QLESS_OK);

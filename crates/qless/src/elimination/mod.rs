@@ -161,18 +161,18 @@ impl Elimination {
 
     /// Kind of each equation for the current b and u_p; empty if the elimination was made from a reduction.
     pub fn kinds(&self) -> &[Kind] {
-        self.verdicts(|of| &of.kinds[..], |analysis| analysis.kinds()).unwrap_or_default()
+        self.verdicts(|of| &of.kinds[..], Analysis::kinds).unwrap_or_default()
     }
 
     /// The certainty of the verdicts on the current b and u_p; None if the elimination was made from a reduction.
     pub fn confidence(&self) -> Option<Confidence> {
-        self.verdicts(|of| of.confidence, |analysis| analysis.confidence())
+        self.verdicts(|of| of.confidence, Analysis::confidence)
     }
 
     /// Free DOFs that the equations fix, and their values for the current b and u_p, ascending; empty if the elimination was made from a
     /// reduction.
     pub fn generated(&self) -> &[(usize, f64)] {
-        self.verdicts(|of| &of.generated[..], |analysis| analysis.generated()).unwrap_or_default()
+        self.verdicts(|of| &of.generated[..], Analysis::generated).unwrap_or_default()
     }
 
     /// A part of the verdicts: of the last update, or of the analysis if there was none.
