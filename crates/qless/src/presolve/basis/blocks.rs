@@ -1,6 +1,7 @@
 //! Results for the blocks of equations that remain after presolve: plain data, computed by a factorization.
 
 use std::borrow::Cow;
+use std::collections::VecDeque;
 use std::fmt::Debug;
 use std::sync::Arc;
 
@@ -118,26 +119,30 @@ impl Vectors {
 }
 
 /// Gives a motion to DOFs that seem to rest, if the other DOFs of a row miss it by more than their errors, which are at most `error` each.
+/// DOFs that rows fix come first, so that no other row gives them a motion.
 fn move_needed(matrix: &Csr, kept: &[usize], moves: &mut [f64], error: f64) {
     let mut errors = vec![error; moves.len()];
     let mut is_fixed = vec![false; moves.len()];
-    // DOFs that rows fix come first, so that no other row gives them a motion.
-    let mut pass = |may_move: bool| {
-        let mut has_changed = false;
-        for &i in kept {
-            match Missed::by(matrix.row(i), moves, &errors, &is_fixed) {
-                Missed { dof: Some((j, _)), is_alone: true, .. } => is_fixed[j] = true,
+    let rows_of_dofs = matrix.transposed();
+    let mut is_kept = vec![false; matrix.rows()];
+    kept.iter().for_each(|&i| is_kept[i] = true);
+    for may_move in [false, true] {
+        let mut queue: VecDeque<usize> = kept.iter().copied().collect();
+        while let Some(i) = queue.pop_front() {
+            let changed = match Missed::by(matrix.row(i), moves, &errors, &is_fixed) {
+                Missed { dof: Some((j, _)), is_alone: true, .. } => {
+                    is_fixed[j] = true;
+                    j
+                }
                 Missed { dof: Some((j, v)), sum, error, .. } if may_move && sum.abs() > error && sum / v != 0.0 => {
                     (moves[j], errors[j]) = (-sum / v, error / v.abs());
+                    j
                 }
                 _ => continue,
-            }
-            has_changed = true;
+            };
+            queue.extend(rows_of_dofs.row(changed).map(|(i, _)| i).filter(|&i| is_kept[i]));
         }
-        has_changed
-    };
-    while pass(false) {}
-    while pass(true) {}
+    }
 }
 
 /// By how much the moving DOFs of a row miss it.
