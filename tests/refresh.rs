@@ -20,6 +20,7 @@ on_each_backend!(
     conflicts_come_and_go,
     prescribed_values_contradict_and_agree,
     a_kept_equation_still_wins,
+    a_replaced_equation_stays_redundant,
     large_sides_hide_no_conflict,
     stated_errors_of_new_sides_count,
 );
@@ -176,6 +177,20 @@ fn a_kept_equation_still_wins(backend: BackendChoice) {
                 check(system, &options, &wrong, &values);
             }
         }
+    }
+}
+
+/// A large right-hand side hides nothing about an equation that was replaced by a preferred one.
+fn a_replaced_equation_stays_redundant(backend: BackendChoice) {
+    let mut builder = SystemBuilder::new(3);
+    builder.equation([(0, 1.0), (1, 1.0)], 1e9);
+    builder.equation([(2, 1.0)], 1.0);
+    builder.equation([(0, 1.0), (1, 1.0), (2, 1.0)], 1e9 + 1.0);
+    let system = builder.build().expect("valid");
+    for options in settings(backend) {
+        let preferences = Preferences { equations: vec![0, 2], ..Preferences::default() };
+        let (_, reduction) = check(&system, &Options { preferences, ..options }, system.rhs(), &[]);
+        assert_eq!(reduction.expand(&[0.0], &[]).expect("one master")[2], 1.0);
     }
 }
 

@@ -391,9 +391,10 @@ public:
                                      reactions.size()));
     }
 
-    void refresh(Span<const double> rhs, Span<const double> prescribed = {})
+    // New b and prescribed values; true if another rank or verdict is possible for them.
+    bool refresh(Span<const double> rhs, Span<const double> prescribed = {})
     {
-        detail::need(qless_refresh(handle_.get(), rhs.data(), rhs.size(), prescribed.data(), prescribed.size()));
+        return QLESS_AMBIGUOUS == detail::need(qless_refresh(handle_.get(), rhs.data(), rhs.size(), prescribed.data(), prescribed.size()));
     }
 
     const qless_elimination *get() const noexcept { return handle_.get(); }

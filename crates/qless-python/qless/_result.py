@@ -118,7 +118,7 @@ class Result:
         worst = Kind(int(self.kinds.max(initial=0)))
         return "incomplete" if self.left_out and worst != Kind.CONFLICTING else worst.name.lower()
 
-    @property
+    @cached_property
     def fixed(self) -> dict[int, float]:
         """Free DOFs that the equations fix, with the values for the current b and prescribed values."""
         dofs, values = self._current.fixed()
@@ -372,6 +372,7 @@ class Result:
         except Conflict as error:
             changed = self.with_values(rhs, prescribed)
             raise (changed._conflict() if changed.conflicting.size else error) from None
+        self.__dict__.pop("fixed", None)
         return self
 
     def _values(self, prescribed: Any) -> np.ndarray:

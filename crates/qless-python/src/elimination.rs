@@ -164,8 +164,9 @@ impl PyElimination {
     }
 
     /// The confidence for the current b and u_p, as of an analysis.
-    fn confidence(&self, py: Python<'_>) -> Option<ConfidenceNumbers> {
-        self.with(py, |elimination| elimination.confidence().map(confidence_numbers))
+    fn confidence(&self, py: Python<'_>) -> PyResult<ConfidenceNumbers> {
+        let found = self.with(py, |elimination| elimination.confidence().map(confidence_numbers));
+        found.ok_or_else(|| self.failed()(EliminationError::NoEquations))
     }
 
     /// T of `u_s = T u_q + G u_p + g` as `(starts, columns, values)`, slaves x masters.

@@ -285,6 +285,22 @@ fn what_moves_a_little_is_not_fixed() {
     }
 }
 
+/// DOFs 0, 1 and 2 are fixed together; DOF 3 moves by `-2^-100` of DOF 4. The row that needs its motion contains DOF 0, too.
+#[test]
+fn dofs_that_are_fixed_together_do_not_move_for_another() {
+    let far = 2_f64.powi(100);
+    let row = [(0, far), (3, far), (4, 1.0)];
+    let sum = [(0, 1.0), (3, 1.0), (4, 1.0), (5, 1.0)];
+    let fixed: [&[(usize, f64)]; 3] =
+        [&[(0, 1.0), (1, 1.0), (2, 1.0)], &[(0, 1.0), (1, -1.0), (2, 2.0)], &[(0, 1.0), (1, 3.0), (2, -5.0)]];
+    let mut equations: Vec<(&[(usize, f64)], f64)> = fixed.iter().map(|&terms| (terms, 0.0)).collect();
+    (0..3).for_each(|_| equations.extend([(&row[..], 0.0), (&sum[..], 0.0)]));
+    each(&system(6, &equations, &[]), |analysis, name| {
+        let found: Vec<usize> = analysis.generated().iter().map(|&(j, _)| j).collect();
+        assert!(analysis.confidence().ambiguous || found.starts_with(&[0, 1, 2]), "{name}: {found:?}");
+    });
+}
+
 /// Equations with coefficients over 24 decades, each two or three times. DOF j is fixed if the rank falls by one without its column.
 #[test]
 fn only_fixed_dofs_count_as_fixed() {

@@ -7,6 +7,8 @@
 //! Refresher::refresh  ->  g, redundant or conflicting, fixed values     for each b and u_p, O(nnz)
 //! ```
 //!
+//! A refresh takes longer if right-hand sides are in doubt, as an analysis does: their certificates are then computed.
+//!
 //! T, G, the slaves and the independent equations depend on C only and do not change.
 
 use std::collections::HashSet;
@@ -30,7 +32,7 @@ use crate::input::scale::ldexp;
 use crate::presolve::basis::Basis;
 use crate::presolve::eliminated::Mismatch;
 use crate::reduction::residual_check;
-use crate::{Analysis, ArgumentError, ConstraintSystem, Reduction, ReductionError};
+use crate::{Analysis, ArgumentError, ConstraintSystem, Effort, Reduction, ReductionError};
 
 /// A sum below this, relative to its largest term, is rounding.
 const NOISE: f64 = 1e-14;
@@ -65,7 +67,8 @@ pub struct Refreshed {
     /// Free DOFs that the equations fix, and their values; ascending.
     pub generated: Vec<(usize, f64)>,
     /// The certainty of these verdicts. Its distance and error are those of the analysis, because they depend on C only. A doubt about
-    /// right-hand sides is that of the new ones. [`crate::Effort::Proved`] and [`crate::Effort::Exact`] prove nothing about new ones.
+    /// right-hand sides is that of the new ones. [`crate::Effort::Proved`] and [`crate::Effort::Exact`] prove nothing about new ones, and any
+    /// doubt that they raised stays.
     pub confidence: Confidence,
 }
 
@@ -152,6 +155,7 @@ impl Refresher {
         let rule = MismatchRule::new(local, scaling, options);
         let mut found: Vec<Dependent> = dependent.iter().map(|d| self.classify(d, &replay, &rule)).collect();
         if noise.is_none() && !options.tolerance.is_absolute() {
+            let distances = options.effort.checks().then_some(&distances[..]);
             hidden_conflicts::find(&mut found, &mut RandomKeys::default(), self, distances, &rule);
         }
         let confidence = self.confidence(&found, &rule);
@@ -182,8 +186,13 @@ impl Refresher {
 
     fn confidence(&self, dependent: &[Dependent], rule: &MismatchRule) -> Confidence {
         let Analysis { history, options, confidence, .. } = &*self.analysis;
-        let doubt = confidence.doubt.filter(|&doubt| doubt != Doubt::Mismatch);
+        // A proof may have had a doubt about C that the one about the right-hand sides has hidden.
+        let is_of_sides = !matches!(options.effort, Effort::Proved | Effort::Exact);
+        let doubt = confidence.doubt.filter(|&doubt| !(is_of_sides && doubt == Doubt::Mismatch));
         let of_c = Confidence { doubt, ambiguous: doubt.is_some(), ..*confidence };
+        if of_c.ambiguous {
+            return of_c;
+        }
         let is_in_doubt = are_sides_in_doubt(dependent, history, rule, options.tolerance)
             || options.effort.checks() && are_sides_contradicted(&self.analysis, dependent, rule.system);
         if is_in_doubt { of_c.or(Doubt::Mismatch) } else { of_c }
@@ -340,8 +349,8 @@ impl SolveKept for Refresher {
     }
 
     fn correction<const W: usize>(&self, left: impl Fn(usize) -> [f64; W]) -> Slab<W> {
-        let independent = self.analysis.independent();
-        let sides: Slab<W> = (0..independent.len()).map(|i| if independent[i] { left(i) } else { [0.0; W] }).collect();
+        // Other rows than those of the basis are not read.
+        let sides: Slab<W> = (0..self.system().equations()).map(left).collect();
         let mut x = vec![[0.0; W]; self.local().dofs()];
         for w in 0..W {
             let side: Vec<f64> = sides.iter().map(|side| side[w]).collect();

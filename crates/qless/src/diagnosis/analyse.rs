@@ -303,7 +303,8 @@ impl Pipeline<'_> {
     fn find_hidden_conflicts(&self, pass: &mut PassResult) {
         let (mut dependent, mut keys) = (std::mem::take(&mut pass.dependent), std::mem::take(&mut pass.keys));
         let kept = pass.kept(self.local, self.scaling);
-        hidden_conflicts::find(&mut dependent, &mut keys, &kept, &pass.distances, self.rule);
+        let distances = self.context.check.then_some(&pass.distances[..]);
+        hidden_conflicts::find(&mut dependent, &mut keys, &kept, distances, self.rule);
         (pass.dependent, pass.keys) = (dependent, keys);
     }
 

@@ -8,7 +8,7 @@ use crate::input::numbering::LocalSystem;
 
 /// The kept equations are in doubt if relative changes of coefficients smaller than this make them dependent: computed coefficients may be
 /// wrong in their 8th digit.
-const NEAR: f64 = 1e-7;
+pub(super) const NEAR: f64 = 1e-7;
 /// A mismatch of the right-hand sides up to this, relative to its terms, is zero: rounding of the terms can cause it.
 const NO_MISMATCH: f64 = 1e-12;
 /// A nonzero mismatch below this may stand for zero.

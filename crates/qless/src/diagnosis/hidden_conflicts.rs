@@ -11,9 +11,11 @@
 //! equations, and three solutions v show their sizes. The sizes are computed first, in doubles, because they settle the verdict on most
 //! equations. A certificate is computed only for an equation whose mismatch is within its error.
 
+use rayon::prelude::*;
+
 use super::certificate::{CertificateTerm, History};
-use super::classify::{Dependent, Kind, MismatchRule};
-use super::confidence::ACCURACY;
+use super::classify::{Dependent, Kind, MismatchRule, Source};
+use super::confidence::{ACCURACY, NEAR};
 use super::distance::least_distances;
 use super::nullspace_probe::RandomKeys;
 use super::refined::{SolveKept, product};
@@ -34,20 +36,21 @@ const W: usize = V + 1;
 const SEEDS: [u64; V] = [0x9e37_79b9, 0x85eb_ca6b, 0xc2b2_ae35];
 
 /// Classifies redundant equations again if their mismatch may exceed the tolerance of their own right-hand side. `distances` are those of
-/// cores of kept equations from dependence, each with one of its equations.
+/// cores of kept equations from dependence, each with one of its equations; None if they were not computed.
 pub(crate) fn find(
     dependent: &mut [Dependent],
     keys: &mut RandomKeys,
     kept: &impl SolveKept,
-    distances: &[(u32, f64)],
+    distances: Option<&[(u32, f64)]>,
     rule: &MismatchRule,
 ) {
     let is_unclear = |d: &Dependent, size: f64| {
         let most = d.mismatch.abs() + MORE_THAN_ROUNDING * d.rest.error;
         d.kind == Kind::Redundant && !d.is_suspect && most > rule.tolerance * size
     };
-    let is_own_too_small = |&k: &usize| is_unclear(&dependent[k], rule.side(dependent[k].row).size);
-    let mut unclear: Vec<usize> = (0..dependent.len()).filter(is_own_too_small).collect();
+    // A certificate that is given has the mismatch of its own terms only.
+    let is_hidden = |d: &Dependent| matches!(d.source, Source::Traced(..)) && is_unclear(d, rule.side(d.row).size);
+    let mut unclear: Vec<usize> = (0..dependent.len()).filter(|&k| is_hidden(&dependent[k])).collect();
     if unclear.is_empty() {
         return;
     }
@@ -61,22 +64,26 @@ pub(crate) fn find(
         return;
     }
     let rows: Vec<usize> = unclear.iter().map(|&k| dependent[k].row).collect();
-    let least = least_distances(&labels, distances);
-    for (k, rest) in unclear.into_iter().zip(mismatches(kept, keys, rule, &rows)) {
-        let d = &mut dependent[k];
+    let least = distances.map_or_else(|| vec![NEAR; labels.count], |known| least_distances(&labels, known));
+    let history = kept.parts().2;
+    let classified = |(&k, rest): (&usize, Mismatch)| {
+        let d = &dependent[k];
         let found = Dependent::new(d.row, rest, d.dropped, d.source.clone(), rule);
         if rest.value.is_finite() && (found.kind == Kind::Conflicting || found.is_suspect) {
-            *d = found;
-        } else if found.is_excused(rule.tolerance) {
-            reclassify(d, least[labels.of_row[d.row] as usize], kept.parts().2, rule);
+            return Some((k, found));
         }
-    }
+        let distance = least[labels.of_row[d.row] as usize];
+        found.is_excused(rule.tolerance).then(|| reclassified(d, distance, history, rule)).flatten().map(|d| (k, d))
+    };
+    let rests = mismatches(kept, keys, rule, &rows);
+    let found: Vec<(usize, Dependent)> = unclear.par_iter().zip(rests).filter_map(classified).collect();
+    found.into_iter().for_each(|(k, found)| dependent[k] = found);
 }
 
-/// Classifies an equation again, without the terms of its certificate that may be rounding. A mismatch that errors of the other terms may
+/// The verdict without the terms of the certificate that may be rounding; None if it stays. A mismatch that errors of the other terms may
 /// explain is none. The equation conflicts if its mismatch is larger than any error of the certificate. Otherwise it stays redundant, but is
 /// suspect: a term that may be rounding explains the mismatch.
-fn reclassify(d: &mut Dependent, distance: f64, history: &History, rule: &MismatchRule) {
+fn reclassified(d: &Dependent, distance: f64, history: &History, rule: &MismatchRule) -> Option<Dependent> {
     let terms = d.source.explain(history);
     let scaled = |term: &CertificateTerm| ldexp(term.coefficient.abs(), -rule.scaling.row[term.row]);
     let least = ACCURACY / distance * terms.iter().map(scaled).fold(0.0, f64::max);
@@ -92,10 +99,10 @@ fn reclassify(d: &mut Dependent, distance: f64, history: &History, rule: &Mismat
     }
     let found = Dependent::new(d.row, rest, d.dropped, d.source.clone(), rule);
     let differs = found.kind == Kind::Conflicting || found.is_suspect;
-    if differs && rest.value.abs() > of_all {
-        *d = found;
-    } else if differs && rest.value.abs() > of_others {
-        d.is_suspect = true;
+    match rest.value.abs() {
+        mismatch if differs && mismatch > of_all => Some(found),
+        mismatch if differs && mismatch > of_others => Some(Dependent { is_suspect: true, ..d.clone() }),
+        _ => None,
     }
 }
 

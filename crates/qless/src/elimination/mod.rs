@@ -159,18 +159,19 @@ impl Elimination {
         self.equations.as_ref().map_or(&[], |equations| &equations.rhs)
     }
 
-    /// Kind of each equation for the current b and u_p; empty if the elimination was made from a reduction.
+    /// Kind of each equation, as of the last update, or of the analysis if there was none; empty if the elimination was made from a reduction.
     pub fn kinds(&self) -> &[Kind] {
         self.verdicts(|of| &of.kinds[..], Analysis::kinds).unwrap_or_default()
     }
 
-    /// The certainty of the verdicts on the current b and u_p; None if the elimination was made from a reduction.
+    /// The certainty of the verdicts, as of the last update, or of the analysis if there was none; None if the elimination was made from a
+    /// reduction.
     pub fn confidence(&self) -> Option<Confidence> {
         self.verdicts(|of| of.confidence, Analysis::confidence)
     }
 
-    /// Free DOFs that the equations fix, and their values for the current b and u_p, ascending; empty if the elimination was made from a
-    /// reduction.
+    /// Free DOFs that the equations fix, and their values, ascending, as of the last update, or of the analysis if there was none. Empty if
+    /// the elimination was made from a reduction.
     pub fn generated(&self) -> &[(usize, f64)] {
         self.verdicts(|of| &of.generated[..], Analysis::generated).unwrap_or_default()
     }

@@ -128,7 +128,7 @@ impl Triangle {
     }
 
     /// The smallest singular value of the factor and its singular vector. If the first estimate is above `doubtful`, these rows will hardly
-    /// change, and another thread, if it is idle, computes meanwhile what is asked next.
+    /// change. Then a thread that has nothing to do may compute meanwhile what is asked next.
     pub fn smallest_singular_value(&mut self, block: &Block, doubtful: f64) -> (f64, Vec<f64>) {
         let (sigma, x) = self.factor.first_estimate();
         if sigma <= doubtful || rayon::current_num_threads() == 1 {

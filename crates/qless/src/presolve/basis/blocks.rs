@@ -103,7 +103,7 @@ impl Vectors {
         let zero = (ZERO_UNITS * f64::EPSILON / sigma).clamp(ZERO[0], ZERO[1]);
         for moves in &mut self.moves {
             moves.iter_mut().filter(|v| v.abs() <= zero).for_each(|v| *v = 0.0);
-            if moves.contains(&0.0) {
+            if moves.contains(&0.0) && moves.iter().any(|&v| v != 0.0) {
                 move_needed(matrix, kept, moves, zero);
             }
         }
@@ -119,13 +119,15 @@ impl Vectors {
 }
 
 /// Gives a motion to DOFs that seem to rest, if the other DOFs of a row miss it by more than their errors, which are at most `error` each.
-/// DOFs that rows fix come first, so that no other row gives them a motion.
+/// DOFs that rows fix come first, so that no other row gives them a motion. If the motions then miss a row, a DOF was given one that has
+/// none, and all stay as they were.
 fn move_needed(matrix: &Csr, kept: &[usize], moves: &mut [f64], error: f64) {
     let mut errors = vec![error; moves.len()];
     let mut is_fixed = vec![false; moves.len()];
     let rows_of_dofs = matrix.transposed();
     let mut is_kept = vec![false; matrix.rows()];
     kept.iter().for_each(|&i| is_kept[i] = true);
+    let before = moves.to_vec();
     for may_move in [false, true] {
         let mut queue: VecDeque<usize> = kept.iter().copied().collect();
         while let Some(i) = queue.pop_front() {
@@ -142,6 +144,13 @@ fn move_needed(matrix: &Csr, kept: &[usize], moves: &mut [f64], error: f64) {
             };
             queue.extend(rows_of_dofs.row(changed).map(|(i, _)| i).filter(|&i| is_kept[i]));
         }
+    }
+    let is_missed = |&i: &usize| {
+        let Missed { sum, error, dof, .. } = Missed::by(matrix.row(i), moves, &errors, &is_fixed);
+        dof.is_none() && sum.abs() > error
+    };
+    if kept.iter().any(is_missed) {
+        moves.copy_from_slice(&before);
     }
 }
 
