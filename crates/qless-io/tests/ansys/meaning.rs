@@ -133,7 +133,10 @@ fn deletions_respect_the_selection() {
     let two = "NSEL,S,NODE,,1,2";
     assert_eq!(left(two, "CEDELE,ALL\nCPDELE,ALL"), ("34".into(), 0));
     assert_eq!(left(two, "CEDELE,ALL,,,ANY\nCPDELE,1,3"), ("34".into(), 0));
-    assert_eq!(left(two, "CEDELE,ALL,,,ALL\nCPDELE,ALL,,,ALL"), ("2334".into(), 0));
+    // With `ALL`, only a set that has exactly the selected nodes certainly goes.
+    assert_eq!(left(two, "CEDELE,1,,,ALL\nCPDELE,1,,,ALL"), ("2334".into(), 0));
+    assert_eq!(left(two, "CEDELE,2,,,ALL\nCPDELE,3,,,ALL"), ("1323".into(), 2));
+    assert_eq!(left("ALLSEL", "CPDELE,1,,,ALL"), ("12334".into(), 1));
     assert_eq!(left("NSEL,NONE", "CEDELE,ALL"), ("123234".into(), 0));
     assert_eq!(left("NSEL,S,LOC,X,0", "CEDELE,ALL\nCPDELE,2"), ("24".into(), 2));
     assert_eq!(left("NSEL,S,LOC,X,0\nALLSEL", "CEDELE,ALL\nCPDELE,2"), ("24".into(), 0));

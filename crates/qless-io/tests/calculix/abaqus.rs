@@ -30,6 +30,24 @@ fn a_tie_of_shells_ties_rotations() {
     assert_eq!(of(&format!("{turned}*TIE,NAME=T\nS,M\n"))[3..5], ["1 5:4 0.5 1:5 -0.5 2:4", "1 5:5 -0.5 1:4 -0.5 2:5"]);
 }
 
+/// What is not followed is left out each time, and named.
+#[test]
+fn cards_that_use_what_is_not_followed_are_left_out() {
+    let twice = "*NODE\n1,0,0,0\n2,1,0,0\n*NSET,NSET=X\n1,2\n*NCOPY,CHANGE NUMBER=100,OLD SET=X,SHIFT,NEW SET=Y\n0,0,1\n\n\
+        *STEP\n*STATIC\n*BOUNDARY\nY,1,1\n*BOUNDARY\nY,2,2\n*END STEP\n";
+    assert!(left_out(&model(Abaqus, twice)).lines().count() >= 2, "{}", left_out(&model(Abaqus, twice)));
+    for (line, cards) in
+        [(5, "*NGEN\n1,12,5\n*EQUATION\n2\n77,1,1.,78,1,-1.\n"), (5, "*NGEN\n2,1,-1\n"), (4, "*SYSTEM\n0,0,O\n")]
+    {
+        let read = model(Abaqus, &format!("*NODE\n1,0,0,0\n2,1,0,0\n{cards}"));
+        assert!(left_out(&read).starts_with(&format!("{line}: ")), "{cards}{}", left_out(&read));
+    }
+    let moved =
+        "*NODE\n1,0,0,0\n2,1,0,0\n*NSET,NSET=N\n1,2\n*NMAP,NSET=N,TYPE=RECTANGULAR\n0,0,0,0,1,0\n*MPC\nBEAM,2,1\n";
+    let read = model(Abaqus, moved);
+    assert_eq!((read.equations(), left_out(&read).lines().count()), (0, 2), "{}", left_out(&read));
+}
+
 #[test]
 fn generated_nodes_are_in_their_set() {
     let text = "*NODE,NSET=L\n1,0,0,0\n5,4,0,0\n*NGEN,NSET=L\n1,5,1\n*EQUATION\n2\n3,1,1.,2,1,-1.\n*STEP\n*STATIC\n*BOUNDARY\nL,1,1,0.\n*END STEP\n";
@@ -91,7 +109,7 @@ fn generated_elements_have_nodes() {
     assert_eq!(model(Abaqus, &layers).equations() / 6, 24 - 1);
     assert_eq!(left_out(&model(Abaqus, &body("1,0,1,1,4000000000,1,1,4000000000"))).lines().count(), 2);
     let unknown = model(Abaqus, &body("7,2"));
-    assert!(left_out(&unknown).starts_with("13: *ELGEN makes elements of an unknown one"), "{}", left_out(&unknown));
+    assert!(left_out(&unknown).starts_with("13: *ELGEN copies an element that no"), "{}", left_out(&unknown));
     assert!(left_out(&unknown).contains("14: *RIGID BODY constrains, but it needs a set that *ELGEN gives members"));
 }
 

@@ -174,6 +174,8 @@ fn values_for_a_part_of_the_time_are_left_out() {
     }
     let cases = cube("*CASE\n1\n*CASE_BEGIN_1\n*BOUNDARY_SPC_NODE\n3,0,1\n*CASE_END_1\n*BOUNDARY_SPC_NODE\n3,0,0,1\n");
     assert_eq!(prescribed(&cases), ["3:2=0"]);
+    let both = "*CASE_BEGIN_1\n*CASE_BEGIN_2\n*CASE_END_2\n*BOUNDARY_SPC_NODE\n3,0,1\n*CASE_END_1\n*CASE_END_1\n";
+    assert_eq!((prescribed(&cube(both)).len(), left_out(&cube(both)).len()), (0, 1));
     assert_eq!(
         left_out(&cases),
         [format!(
@@ -238,6 +240,9 @@ fn parameters_are_followed_or_said() {
     assert_eq!(with("*PARAMETER_EXPRESSION\nR A,-1.25000000000\n"), is("-1.25"));
     assert_eq!(with("*PARAMETER_EXPRESSION\nR A       0.12345678*10\n"), unknown);
     assert_eq!(with("*PARAMETER_EXPRESSION\nR A       max(2,3)\n"), unknown);
+    assert_eq!(with("*PARAMETER_EXPRESSION\nR A       -1.\n          *2.\n"), unknown);
+    // The third field says what the value names.
+    assert_eq!(with("*PARAMETER_TYPE\nI B       3         CA\n*PARAMETER\nR A       -1.\n"), is("-1"));
     // The first of two definitions counts, unless the deck says otherwise.
     let twice = "*PARAMETER\nR A       -1.\n*PARAMETER\nR A       5.\n";
     assert_eq!(with(twice), (vec!["1 1:1 -1 2:1".into()], 0, 1));

@@ -46,8 +46,8 @@ pub trait StartsAt {
     fn from(&self) -> StepIndex;
 }
 
-/// Deletes the numbers `first, last, step` (fields 1 to 3), or `ALL`, of items with `ANY` selected node or with `ALL` nodes selected (field
-/// 4). Moves versions that held in a load step before `now` to `past`. Returns the numbers of items that are deleted although it is not
+/// Deletes the numbers `first, last, step` (fields 1 to 3), or `ALL`, of items with `ANY` selected node, or only if `ALL` selected nodes are
+/// in the item (field 4). Moves versions that held in a load step before `now` to `past`. Returns the numbers of items that are deleted although it is not
 /// known whether their `nodes` are selected.
 pub fn delete<T: StartsAt>(
     command: &AnsysCommand,
@@ -63,7 +63,7 @@ pub fn delete<T: StartsAt>(
         let first = whole(command.field(1)).ok_or_else(|| expected(command, 1, "a number from 1 or ALL"))?;
         range(command, first, 2)?
     };
-    if command.is(1, "ALL") && now == 0 && selection.nodes == SelectedNodes::All {
+    if command.is(1, "ALL") && !command.is(4, "ALL") && now == 0 && selection.nodes == SelectedNodes::All {
         sets.clear();
         return Ok(Vec::new());
     }

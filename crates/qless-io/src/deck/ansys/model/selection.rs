@@ -123,14 +123,19 @@ impl NodeSelection {
         }
     }
 
-    /// Whether any of these nodes is selected, or with `all`, whether all are; `None` if this is not known.
+    /// Whether any of these nodes is selected; `None` if this is not known. With `all`, the manual asks that all selected nodes be among these,
+    /// which depends on nodes that are defined elsewhere: it is certain only if these nodes are the selected ones.
     pub fn holds(&self, nodes: &[u32], all: bool) -> Option<bool> {
         let SelectedNodes::Ranges(ranges) = &self.nodes else {
-            return (self.nodes == SelectedNodes::All).then_some(true);
+            return (self.nodes == SelectedNodes::All && !all).then_some(true);
         };
         let is_in =
             |node: &u32| ranges.iter().any(|&(a, b, step)| (a..=b).contains(node) && (node - a).is_multiple_of(step));
-        Some(if all { nodes.iter().all(is_in) } else { nodes.iter().any(is_in) })
+        if !all {
+            return Some(nodes.iter().any(is_in));
+        }
+        let mut selected = ranges.iter().flat_map(|&(a, b, step)| (a..=b).step_by(step.max(1) as usize));
+        (nodes.iter().all(is_in) && selected.all(|node| nodes.contains(&node))).then_some(true)
     }
 
     fn select(&mut self, kind: &[u8], ranges: Option<Vec<NodeRange>>) {

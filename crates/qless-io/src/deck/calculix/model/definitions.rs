@@ -135,7 +135,10 @@ impl DeckDefinitions {
                 let copied = card.word("NEWSET").map(|set| self.sets.of_nodes.entry((card.scope, set)).or_default());
                 copied.into_iter().for_each(|set| set.push(SetPart::from_card(card, SetMembers::Unknown("*NCOPY"))));
             }
-            b"*NMAP" => self.not_followed.push((card.file, card.line, "*NMAP moves nodes")),
+            b"*NMAP" => {
+                self.generation.has_moved_nodes = true;
+                self.not_followed.push((card.file, card.line, "*NMAP moves nodes"));
+            }
             b"*ELCOPY" => {
                 let set = self.sets.of_elements.entry(key("NEWSET")).or_default();
                 set.push(SetPart::from_card(card, SetMembers::Unknown("*ELCOPY")));
@@ -287,6 +290,9 @@ impl DeckDefinitions {
 
     /// Position of a node.
     pub fn position(&self, node: u32) -> Result<Vector, Problem> {
+        if self.generation.has_moved_nodes {
+            return Err(Problem::NotFollowed { what: format!("the position of node {node} after *NMAP") });
+        }
         if let Some(position) = self.made.borrow().get(&node) {
             return Ok(*position);
         }

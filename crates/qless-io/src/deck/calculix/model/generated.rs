@@ -17,7 +17,7 @@ use crate::deck::calculix::syntax::{DataLine, DataLines, DataPiece, KeywordCard,
 use crate::deck::kinematics::axes::{Frame, FrameKind};
 use crate::deck::kinematics::vector::{Vector, minus, plus, scaled};
 
-/// Largest number of nodes and elements that the cards make. It bounds the memory, to about 200 bytes each.
+/// Largest number of nodes, elements and nodes of elements that the cards make. It bounds the memory, to about 200 bytes each.
 const GENERATED: usize = 1_000_000;
 
 impl DeckDefinitions {
@@ -46,7 +46,11 @@ impl DeckDefinitions {
 
     /// Records `*SYSTEM`. The frame is unknown if a point is missing or is no point.
     pub fn system(&mut self, card: &KeywordCard) {
-        self.generation.systems.insert(card.scope, frame(card));
+        let found = frame(card);
+        if found.is_none() {
+            self.not_followed.push((card.file, card.line, "*SYSTEM has a point that is none, or points on one line"));
+        }
+        self.generation.systems.insert(card.scope, found);
     }
 
     /// Records `*NGEN, NSET=`, with lines `first, last, increment`. Only nodes on a straight line have positions.
@@ -55,6 +59,8 @@ impl DeckDefinitions {
             let (mut text, mut placed) = (String::new(), String::new());
             if self.generated_nodes(card, &line, &mut text, &mut placed).is_none() {
                 self.generation.has_unknown_nodes = true;
+                let text = "*NGEN does not count from one node up to another in even steps, or makes too many nodes";
+                self.not_followed.push((line.file, line.number, text));
             }
             self.list(card.scope, vec![piece(card, text)], false);
             self.list(card.scope, vec![piece(card, placed)], true);
@@ -71,10 +77,11 @@ impl DeckDefinitions {
     ) -> Option<()> {
         let [first, last, step] = whole_numbers(line, [0, 0, 1])?;
         let count = last.checked_sub(first)?.checked_div(step)?;
-        self.generation.count += count as usize;
-        if self.generation.count > GENERATED || first + count * step != last {
+        let made = self.generation.count.saturating_add(count as usize);
+        if made > GENERATED || first + count * step != last {
             return None;
         }
+        self.generation.count = made;
         let ends = [first, last].map(|node| self.own_position(card.scope, node));
         let straight = card.parameter("LINE").is_none();
         for k in 1..count {
@@ -108,7 +115,8 @@ impl DeckDefinitions {
                 self.blocks.push(block);
                 SetMembers::List(vec![piece(card, master.to_string())])
             } else {
-                let text = "*ELGEN makes elements of an unknown one, or too many";
+                let text =
+                    "*ELGEN copies an element that no *ELEMENT before it defines, or makes too many nodes of elements";
                 self.not_followed.push((line.file, line.number, text));
                 SetMembers::Unknown("*ELGEN")
             };
@@ -123,10 +131,11 @@ impl DeckDefinitions {
         let [by_node, by_element, rows, row_nodes, row_elements, layers, layer_nodes, layer_elements] = rest;
         let (kind, nodes) = self.own_element(card.scope, master)?;
         let all = count.checked_mul(rows)?.checked_mul(layers)?;
-        self.generation.count += all as usize;
-        if all == 0 || self.generation.count > GENERATED {
+        let made = self.generation.count.saturating_add((all as usize).saturating_mul(1 + nodes.len()));
+        if all == 0 || made > GENERATED {
             return None;
         }
+        self.generation.count = made;
         let mut text = String::new();
         for at in 1..all {
             let place = [at % count, at / count % rows, at / count / rows];

@@ -47,6 +47,8 @@ pub struct Generation {
     pub count: usize,
     /// Whether cards define nodes whose numbers are not known.
     pub has_unknown_nodes: bool,
+    /// Whether `*NMAP` moves nodes.
+    pub has_moved_nodes: bool,
 }
 
 /// A `*SURFACE` card.

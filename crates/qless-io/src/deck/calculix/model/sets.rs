@@ -105,8 +105,11 @@ impl DeckDefinitions {
         self.sets.known.borrow_mut().insert(key.clone(), ParsedSet::InProgress);
         let mut members = named.map(|(_, members)| members.clone()).unwrap_or_default();
         let parts = parts.map_or(&[][..], |(_, parts)| parts.as_slice());
-        for part in parts {
-            self.add_members(part, of_elements, &mut members)?;
+        let added = parts.iter().try_for_each(|part| self.add_members(part, of_elements, &mut members));
+        if let Err(problem) = added {
+            // The set is not defined by itself: another card finds the same problem.
+            self.sets.known.borrow_mut().remove(&key);
+            return Err(problem);
         }
         let mut seen = FxHashSet::default();
         members.retain(|&member| seen.insert(member));

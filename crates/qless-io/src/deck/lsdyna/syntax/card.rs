@@ -67,7 +67,8 @@ pub struct DynaCards {
     pub remarks: Vec<(u32, u32, String)>,
     /// The `*CASE_BEGIN` cards: keyword, file, line, and number of cards up to `*CASE_END`. These cards are not in `all`.
     pub cases: Vec<(String, u32, u32, usize)>,
-    is_in_case: bool,
+    /// Places in `cases` of those that are open.
+    open_cases: Vec<usize>,
     /// The folders that `*INCLUDE_PATH` names.
     folders: Vec<String>,
 }
@@ -134,11 +135,11 @@ impl DynaCards {
                 }
                 name if name == "PARAMETER" || name.starts_with("PARAMETER_") => self.parameters(&card),
                 name if name.starts_with("CASE_BEGIN") => {
+                    self.open_cases.push(self.cases.len());
                     self.cases.push((card.keyword, card.file, card.line, 0));
-                    self.is_in_case = true;
                 }
-                name if name.starts_with("CASE_END") => self.is_in_case = false,
-                _ if self.is_in_case => self.cases.iter_mut().next_back().into_iter().for_each(|case| case.3 += 1),
+                name if name.starts_with("CASE_END") => drop(self.open_cases.pop()),
+                _ if !self.open_cases.is_empty() => self.open_cases.iter().for_each(|&case| self.cases[case].3 += 1),
                 _ => self.all.push(card),
             }
             line += memchr::memchr_iter(b'\n', &text[at..next]).count();
@@ -151,13 +152,21 @@ impl DynaCards {
     /// name on a line, only expressions that are numbers have a known value.
     fn parameters(&mut self, card: &DynaCard) {
         let none = Parameters::default();
+        let mut last = Vec::new();
         for line in card.filled(&none) {
             if card.keyword.contains("_EXPRESSION") {
                 let (name, text) = line.split_first();
-                self.define(card, &line, name, Some(text).filter(|text| real(text).is_ok()));
+                if name.trim_ascii().is_empty() {
+                    // The line continues the expression of the last name.
+                    self.parameters.insert(last.clone(), None);
+                } else {
+                    last = name.get(1..).unwrap_or_default().trim_ascii().to_ascii_uppercase();
+                    self.define(card, &line, name, Some(text).filter(|text| real(text).is_ok()));
+                }
                 continue;
             }
-            for pair in 0..4 {
+            // In `*PARAMETER_TYPE`, a third field says what the value names.
+            for pair in 0..if card.keyword.contains("_TYPE") { 1 } else { 4 } {
                 self.define(card, &line, line.field(2 * pair), Some(line.field(2 * pair + 1)));
             }
         }
@@ -167,7 +176,7 @@ impl DynaCards {
     fn define(&mut self, card: &DynaCard, line: &DynaLine, field: &[u8], value: Option<&[u8]>) {
         let [_, name @ ..] = field else { return };
         let name = name.trim_ascii().to_ascii_uppercase();
-        let value = value.filter(|_| !self.is_in_case).map(<[u8]>::to_vec);
+        let value = value.filter(|_| self.open_cases.is_empty()).map(<[u8]>::to_vec);
         if self.replaces || ["_LOCAL", "_MUTABLE"].iter().any(|option| card.keyword.contains(option)) {
             self.changing.insert(name.clone());
         }
