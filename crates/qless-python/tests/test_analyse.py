@@ -139,7 +139,7 @@ def test_refresh_finds_what_an_analysis_finds():
     assert not r.ambiguous
     with pytest.raises(qless.Conflict):
         r.refresh([1000, 2e10, 1001])
-    r.refresh([1000, 1, 1000 + 1e-6])
+    r.refresh([1000, 1, 1000 + 1e-7])
     assert r.ambiguous and r.doubt == "mismatch"
     r.refresh([1000, 1, 1000])
     assert not r.ambiguous
