@@ -2,23 +2,25 @@
 //! next run needs no help. Signals that can be caught leave no temporary files. Runs into one folder at once leave the set of one of
 //! them. No file of the user is touched.
 //!
-//! `QLESS_KILLS` sets the number of kills for each command; the default is small. A seed determines their times.
+//! `QLESS_KILLS` sets the number of points at which each command is killed or delayed, spread over all points; the default is small, and a
+//! large number means all.
 
 mod folder;
+mod points;
 
 use std::fs;
 use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
 use std::process::{Child, Stdio};
-use std::time::{Duration, Instant};
 
 use qless_io::Manifest;
-use rustix::process::{Pid, Signal, kill_process};
 
 use super::harness::{Place, lines};
 use folder::{content, hidden, numbers};
+use points::{Point, points};
 
-const SIGNALS: [Signal; 3] = [Signal::KILL, Signal::TERM, Signal::INT];
+/// Names and numbers of signals.
+const SIGNALS: [(&str, i32); 3] = [("KILL", 9), ("TERM", 15), ("INT", 2)];
 
 /// A command with two inputs, `old` and `new`, whose results differ, and the name of its output.
 struct Case {
@@ -43,23 +45,27 @@ const CASES: [Case; 5] = [
 
 #[test]
 fn what_is_killed_leaves_the_old_or_the_new_output_or_says_so() {
-    let count = std::env::var("QLESS_KILLS").map_or(12, |count| count.parse().expect("a number"));
     for case in &CASES {
         let place = Place::new();
         prepare(&place, case);
+        assert!(place.run(case.old).code < 2);
         let mut seen = [0; 4];
-        for k in 0..count {
-            seen[kill(&place, case, k) as usize] += 1;
+        for (k, point) in spread(points(&place, case.new)).iter().enumerate() {
+            for (name, signal) in [SIGNALS[0], SIGNALS[1 + k % 2]] {
+                seen[kill(&place, case, point, name, signal) as usize] += 1;
+            }
         }
         let [old, new, incomplete, late] = seen;
         println!(
             "{}: {old} kills found the old output, {new} the new one, {incomplete} an incomplete set; {late} came too late",
             case.name
         );
+        assert!(old > 0 && late < old + new + incomplete, "{}: kills come during the run", case.name);
     }
 }
 
-/// Both models have their own files; the folder ends with all files of one of them, and with all of the user's.
+/// Both models have their own files; the folder ends with all files of one of them, and with all of the user's. One run of each group is
+/// delayed at one point by longer than the others take.
 #[test]
 fn runs_into_one_folder_at_once_leave_the_set_of_one_of_them() {
     let place = Place::new();
@@ -73,15 +79,25 @@ fn runs_into_one_folder_at_once_leave_the_set_of_one_of_them() {
     let user =
         || (content(&folder.join("deep")), fs::read(folder.join("notes")).expect("there"), numbers(&folder)["notes"]);
     let before = user();
-    for runs in [2, 4, 8] {
-        let children: Vec<Child> = (0..runs).map(|k| start(&place, [case.old, case.new][k % 2])).collect();
-        for mut child in children {
-            assert!(child.wait().expect("it ends").success());
+    for (k, point) in spread(points(&place, case.new)).iter().enumerate() {
+        let runs = [2, 4, 8][k % 3];
+        let delayed = point.start(&place, case.new, "delay_enter=100000");
+        let others = (1..runs).map(|k| start(&place, [case.old, case.new][k % 2]));
+        for mut child in [delayed].into_iter().chain(others) {
+            assert!(child.wait().expect("it ends").success(), "{runs} at once, {point:?}");
         }
-        assert!(sets.contains(&set(&folder)), "{runs} at once");
+        assert!(sets.contains(&set(&folder)), "{runs} at once, {point:?}");
         assert_eq!(user(), before);
         assert!(hidden(&folder).is_empty());
     }
+}
+
+/// As many of the points as `QLESS_KILLS` says.
+fn spread(points: Vec<Point>) -> Vec<Point> {
+    let count: usize = std::env::var("QLESS_KILLS").map_or(6, |count| count.parse().expect("a number"));
+    let step = points.len().div_ceil(count);
+    // The end of the run is where most happens.
+    points.into_iter().rev().step_by(step).collect()
 }
 
 /// The files of the set in a folder, whose manifest is right.
@@ -117,26 +133,20 @@ enum Found {
 }
 
 /// Kills one run, and runs it again.
-fn kill(place: &Place, case: &Case, k: usize) -> Found {
-    let signal = SIGNALS[k / 4 % 3];
-    let start_of_old = Instant::now();
+fn kill(place: &Place, case: &Case, point: &Point, name: &str, signal: i32) -> Found {
     let run = place.run(case.old);
-    let took = start_of_old.elapsed();
     assert!(run.code < 2, "{}", run.err);
     let folder = place.path(case.output);
     let (old, old_numbers) = (content(&folder), numbers(&folder));
     assert!(hidden(&folder).is_empty(), "a run removes what a killed one left");
     let is_one = case.output == "sets";
-    let mut child = start(place, case.new);
-    wait(k, took, || !is_one && is_incomplete(&folder), || !hidden(&folder).is_empty());
-    let sent = kill_process(Pid::from_child(&child), signal);
-    assert!(sent.is_ok(), "a child that was not waited for can be sent signals");
+    let mut child = point.start(place, case.new, &format!("signal={name}"));
     let status = child.wait().expect("it ends");
     let found = content(&folder);
-    let what = format!("{} with {signal:?} at kill {k} ({status})", case.name);
-    assert!(status.signal() == Some(signal.as_raw()) || status.code().is_some_and(|code| code < 2), "{what}");
+    let what = format!("{} with {name} at {point:?} ({status})", case.name);
+    assert!(status.signal() == Some(signal) || status.code().is_some_and(|code| code < 2), "{what}");
     let is_whole = is_one || !is_incomplete(&folder);
-    assert!(signal == Signal::KILL || hidden(&folder).is_empty() && is_whole, "{what}: it was not ended in order");
+    assert!(name == "KILL" || hidden(&folder).is_empty() && is_whole, "{what}: it was not ended in order");
     for path in ["notes", "deep/notes"] {
         assert_eq!(found.get(path), old.get(path), "{what}");
     }
@@ -166,27 +176,6 @@ fn is_incomplete(folder: &Path) -> bool {
     Manifest::read(folder).expect("a manifest").is_some_and(|manifest| !manifest.complete)
 }
 
-/// Commits are short and come late: every other kill waits for temporary files, half of them for renames to begin. The others come at
-/// any time.
-fn wait(k: usize, took: Duration, is_renaming: impl Fn() -> bool, is_writing: impl Fn() -> bool) {
-    let (of, is_due): (Duration, &dyn Fn() -> bool) = match k % 4 {
-        0 => (Duration::from_micros(200), &is_renaming),
-        2 => (took / 5, &is_writing),
-        _ => (took * 4 / 5, &|| true),
-    };
-    let start = Instant::now();
-    while !is_due() && start.elapsed() < 2 * took {}
-    std::thread::sleep(of.mul_f64(random(k) as f64 / 1e6));
-}
-
 fn start(place: &Place, arguments: &str) -> Child {
     place.command(arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the program starts")
-}
-
-/// Below a million, the same for the same `k`.
-fn random(k: usize) -> u64 {
-    let mut x = (k as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    (x ^ (x >> 31)) % 1_000_000
 }
