@@ -120,7 +120,7 @@ impl Vectors {
 
 /// Gives a motion to DOFs that seem to rest, if the other DOFs of a row miss it by more than their errors, which are at most `error` each.
 /// DOFs that rows fix come first, so that no other row gives them a motion. If the motions then miss a row, a DOF was given one that has
-/// none, and all stay as they were.
+/// none: those of this row, and of all rows reached from it through such DOFs, are taken back.
 fn move_needed(matrix: &Csr, kept: &[usize], moves: &mut [f64], error: f64) {
     let mut errors = vec![error; moves.len()];
     let mut is_fixed = vec![false; moves.len()];
@@ -149,8 +149,13 @@ fn move_needed(matrix: &Csr, kept: &[usize], moves: &mut [f64], error: f64) {
         let Missed { sum, error, dof, .. } = Missed::by(matrix.row(i), moves, &errors, &is_fixed);
         dof.is_none() && sum.abs() > error
     };
-    if kept.iter().any(is_missed) {
-        moves.copy_from_slice(&before);
+    let mut queue: VecDeque<usize> = kept.iter().copied().filter(is_missed).collect();
+    while let Some(i) = queue.pop_front() {
+        for (j, _) in matrix.row(i).filter(|&(j, _)| before[j] == 0.0) {
+            if std::mem::take(&mut moves[j]) != 0.0 {
+                queue.extend(rows_of_dofs.row(j).map(|(i, _)| i).filter(|&i| is_kept[i]));
+            }
+        }
     }
 }
 
