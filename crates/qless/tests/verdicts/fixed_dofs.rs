@@ -1,0 +1,105 @@
+//! DOFs that count as fixed do not move, and all others do.
+
+use qless::common::SplitMix64;
+use qless::exact::{self, Reading};
+use qless::{ConstraintSystem, Noise, Options, SystemBuilder, analyse};
+
+use super::{Equations, below, each, shuffle, system};
+
+/// `u3 = -c u4` for any c that is not zero: small beside what cancels, but alone.
+#[test]
+fn what_moves_a_little_is_not_fixed() {
+    for power in 0..40 {
+        let c = 10_f64.powi(-power);
+        let equations: Equations = &[(&[(0, 1.0), (1, 1.0)], 0.0), (&[(0, 1.0), (1, 1.0), (2, 1.0), (3, c)], 0.0)];
+        let analysis = analyse(&system(4, equations, &[]), &Options::default()).expect("small");
+        assert_eq!((analysis.rank(), analysis.generated()), (2, [].as_slice()), "1e-{power}");
+    }
+}
+
+/// DOFs 0, 1 and 2 are fixed together; DOF 3 moves by `-2^-100` of DOF 4. The row that needs its motion contains DOF 0, too.
+#[test]
+fn dofs_that_are_fixed_together_do_not_move_for_another() {
+    let far = 2_f64.powi(100);
+    let row = [(0, far), (3, far), (4, 1.0)];
+    let sum = [(0, 1.0), (3, 1.0), (4, 1.0), (5, 1.0)];
+    let fixed: [&[(usize, f64)]; 3] =
+        [&[(0, 1.0), (1, 1.0), (2, 1.0)], &[(0, 1.0), (1, -1.0), (2, 2.0)], &[(0, 1.0), (1, 3.0), (2, -5.0)]];
+    let mut equations: Vec<(&[(usize, f64)], f64)> = fixed.iter().map(|&terms| (terms, 0.0)).collect();
+    (0..3).for_each(|_| equations.extend([(&row[..], 0.0), (&sum[..], 0.0)]));
+    each(&system(6, &equations, &[]), |analysis, name| {
+        let found: Vec<usize> = analysis.generated().iter().map(|&(j, _)| j).collect();
+        assert!(analysis.confidence().ambiguous || found.starts_with(&[0, 1, 2]), "{name}: {found:?}");
+    });
+}
+
+/// Equations with coefficients over 24 decades, each two or three times. DOF j is fixed if the rank falls by one without its column.
+#[test]
+fn only_fixed_dofs_count_as_fixed() {
+    let (mut sure, mut fixed_dofs) = (0, 0);
+    for seed in 0..400 {
+        let mut random = SplitMix64::new(seed);
+        let n = 3 + below(&mut random, 3);
+        let mut rows = Vec::new();
+        for _ in 0..2 + below(&mut random, n - 2) {
+            let has = |random: &mut SplitMix64| below(random, 5) > 0;
+            let dofs: Vec<usize> = (0..n).filter(|_| has(&mut random)).collect();
+            let mut value = || (1 + below(&mut random, 9)) as f64 * 2_f64.powi(below(&mut random, 81) as i32 - 40);
+            let row: Vec<(usize, f64)> = dofs.into_iter().map(|j| (j, value())).collect();
+            rows.extend(vec![row; 2 + below(&mut random, 2)]);
+        }
+        shuffle(&mut random, &mut rows);
+        let without = |gone: Option<usize>| {
+            let mut builder = SystemBuilder::new(n);
+            for row in &rows {
+                builder.equation(row.iter().copied().filter(|&(j, _)| Some(j) != gone), 0.0);
+            }
+            builder.build().expect("valid")
+        };
+        let rank = |system: &ConstraintSystem| exact::rank(system, Reading::Stored).expect("small").rank;
+        let system = without(None);
+        let all = rank(&system);
+        let fixed: Vec<usize> = (0..n).filter(|&j| rank(&without(Some(j))) < all).collect();
+        each(&system, |analysis, name| {
+            if !analysis.confidence().ambiguous {
+                let found: Vec<usize> = analysis.generated().iter().map(|&(j, _)| j).collect();
+                assert_eq!((analysis.rank(), &found), (all, &fixed), "{seed}, {name}: {system:?}");
+                sure += 1;
+                fixed_dofs += fixed.len();
+            }
+        });
+    }
+    assert!(sure > 2000 && fixed_dofs > 100, "{sure} {fixed_dofs}");
+}
+
+/// `sin(2 pi i j / n)`: zeros that were computed are 1e-16 to 1e-15, in DOFs and equations that have nothing else.
+#[test]
+fn zeros_that_were_computed_are_never_sure() {
+    for n in 3..40_usize {
+        let row = |i: usize| (0..n).map(move |j| (j, (2.0 * std::f64::consts::PI * (i * j) as f64 / n as f64).sin()));
+        let mut builder = SystemBuilder::new(n);
+        (0..n).for_each(|i| _ = builder.equation(row(i), 0.0));
+        each(&builder.build().expect("valid"), |analysis, name| {
+            let (rank, confidence) = (analysis.rank(), analysis.confidence());
+            assert!(rank == (n - 1) / 2 || confidence.ambiguous, "{n}, {name}: {rank}, {confidence:?}");
+        });
+    }
+}
+
+/// A redundant equation with a computed zero in a DOF of its own: independent as given, redundant where it is zero.
+#[test]
+fn a_computed_zero_that_is_all_that_a_dof_has_is_told() {
+    let zero = 4.440_892_098_500_626e-16;
+    let equations: Equations =
+        &[(&[(0, 1.0), (1, -1.0)], 0.0), (&[(1, 1.0), (2, -1.0)], 0.0), (&[(0, 1.0), (2, -1.0), (3, zero)], 0.0)];
+    let system = system(4, equations, &[]);
+    each(&system, |analysis, name| {
+        assert_eq!(analysis.rank(), 3, "{name}");
+        let other = analysis.other_reading().unwrap_or_else(|| panic!("{name}: {:?}", analysis.confidence()));
+        assert_eq!((other.as_zero, other.rank, other.conflicting), (true, 2, 0), "{name}");
+    });
+    for (noise, rank) in [(Noise::None, 3), (Noise::Relative(1e-12), 2)] {
+        let analysis = analyse(&system, &Options { noise: noise.clone(), ..Options::default() }).expect("small");
+        assert_eq!((analysis.rank(), analysis.confidence().ambiguous), (rank, false), "{noise:?}");
+    }
+}
