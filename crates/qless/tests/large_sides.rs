@@ -36,8 +36,8 @@ fn orders<T: Clone>(list: &[T]) -> Vec<Vec<T>> {
     all
 }
 
-/// The third row is a combination of the first two, and its side is off or not; the fourth row has a side of 1e9 to 1e16 and is in no
-/// certificate. Small whole numbers, so that all sums are exact. The third side is not zero: a zero has no size to compare a mismatch with.
+/// The third row is a combination of the first two, and its side is off or not; the fourth row has a side of 1e9 to 1e20 and is in no
+/// certificate. Small whole numbers, so that all sums are exact.
 #[test]
 fn a_side_that_no_certificate_has_hides_no_conflict() {
     let (mut wrong, mut alarms) = (Vec::new(), 0);
@@ -50,10 +50,10 @@ fn a_side_that_no_certificate_has_hides_no_conflict() {
         let (first, second, large) = (row(), row(), row());
         let third = first.iter().zip(&second).map(|(x, y)| a * x + c * y).collect();
         let side = a * b1 + c * b2 + off;
-        let size = 10_f64.powi(9 + (seed % 8) as i32);
+        let size = 10_f64.powi(9 + (seed % 12) as i32);
         let mut rows = vec![(first, b1), (second, b2), (third, side), (large, size)];
         let independent = [rows[0].clone(), rows[1].clone(), rows[3].clone()];
-        if side == 0.0 || analysed(&independent).rank() < 3 {
+        if analysed(&independent).rank() < 3 {
             continue;
         }
         rows.rotate_left(seed as usize % 4);
