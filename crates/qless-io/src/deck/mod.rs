@@ -4,6 +4,7 @@
 //! | module, lowest layer first | content |
 //! | --- | --- |
 //! | `format`, `error`, `limits` | formats and solvers; errors in decks; limits on time and memory |
+//! | `expression` | values of expressions of parameters |
 //! | `source`, `detect` | a deck and its included files; detection of the format |
 //! | `cards`, `model` | constraints of a deck of any format |
 //! | `kinematics` | equations of rigid bodies and weighted means |
@@ -27,6 +28,7 @@ mod cards;
 pub mod clean;
 mod detect;
 mod error;
+mod expression;
 mod faults;
 mod format;
 mod kinematics;
