@@ -64,9 +64,19 @@ pub struct Deck {
     solver: Solver,
     model: Model,
     texts: Vec<Arc<Vec<u8>>>,
+    /// Why another solver than the given one reads the deck: file, line and a clause.
+    other_solver: Option<(u32, u32, String)>,
 }
 
 impl Deck {
+    /// Warns if another solver than `asked` reads the deck.
+    pub(crate) fn warn_of_other_solver(&mut self, asked: Solver) {
+        if let Some((file, line, why)) = self.other_solver.take() {
+            let text = format!("{why}: the deck is read as one of {}, although {asked} is asked for", self.solver);
+            self.model.warn(file, line, text);
+        }
+    }
+
     /// The format of the deck.
     pub fn format(&self) -> Format {
         self.solver.format()
@@ -151,7 +161,8 @@ pub fn parse(solver: impl Into<Solver>, path: &Path, bytes: Vec<u8>, open: Open)
     let solver = solver.into();
     let mut sources = Sources::new(solver, path, bytes, open);
     let model = read_model(&mut sources, &[])?;
-    Ok(Deck { solver: sources.solver(), model, texts: sources.into_texts() })
+    let other_solver = sources.other_solver();
+    Ok(Deck { solver: sources.solver(), model, other_solver, texts: sources.into_texts() })
 }
 
 /// Reads the model of a deck. A model of an ANSYS deck also has the DOFs `others`, even if no equation names them.

@@ -18,17 +18,26 @@ pub struct Sources<'a> {
     texts: Vec<Arc<Vec<u8>>>,
     open: Open<'a>,
     includes: usize,
+    /// Why another solver than the given one reads the deck: file, line and a clause.
+    other_solver: Option<(u32, u32, String)>,
 }
 
 impl<'a> Sources<'a> {
     /// The sources of a deck of which only the main file is read.
     pub fn new(solver: Solver, path: &Path, bytes: Vec<u8>, open: Open<'a>) -> Self {
-        Self { solver, paths: vec![path.to_path_buf()], texts: vec![Arc::new(bytes)], open, includes: 0 }
+        Self {
+            solver,
+            paths: vec![path.to_path_buf()],
+            texts: vec![Arc::new(bytes)],
+            open,
+            includes: 0,
+            other_solver: None,
+        }
     }
 
     /// The sources of a deck whose files were all read before.
     pub(super) fn again(solver: Solver, paths: &[PathBuf], texts: &[Arc<Vec<u8>>], open: Open<'a>) -> Self {
-        Self { solver, paths: paths.to_vec(), texts: texts.to_vec(), open, includes: 0 }
+        Self { solver, paths: paths.to_vec(), texts: texts.to_vec(), open, includes: 0, other_solver: None }
     }
 
     /// The solver for which the deck is read.
@@ -36,9 +45,18 @@ impl<'a> Sources<'a> {
         self.solver
     }
 
-    /// Changes the solver. A reader calls this if the text shows that only the new solver can read the deck.
-    pub fn set_solver(&mut self, solver: Solver) {
+    /// Changes the solver. A reader calls this if the text shows that only the new solver can read the deck. The reason is a file, a line and
+    /// a clause.
+    pub fn set_solver(&mut self, solver: Solver, reason: Option<(u32, u32, String)>) {
+        if self.solver != solver {
+            self.other_solver = reason;
+        }
         self.solver = solver;
+    }
+
+    /// The reason with which a reader has changed the solver.
+    pub fn other_solver(&mut self) -> Option<(u32, u32, String)> {
+        self.other_solver.take()
     }
 
     /// The path of a file.

@@ -37,7 +37,7 @@ fn cards_that_use_what_is_not_followed_are_left_out() {
         *STEP\n*STATIC\n*BOUNDARY\nY,1,1\n*BOUNDARY\nY,2,2\n*END STEP\n";
     assert!(left_out(&model(Abaqus, twice)).lines().count() >= 2, "{}", left_out(&model(Abaqus, twice)));
     for (line, cards) in
-        [(5, "*NGEN\n1,12,5\n*EQUATION\n2\n77,1,1.,78,1,-1.\n"), (5, "*NGEN\n2,1,-1\n"), (4, "*SYSTEM\n0,0,O\n")]
+        [(5, "*NGEN\n1,12,5\n*EQUATION\n2\n77,1,1.,78,1,-1.\n"), (5, "*NGEN\n2,1,-1\n"), (4, "*SYSTEM\n0,0,0,0,0,0\n")]
     {
         let read = model(Abaqus, &format!("*NODE\n1,0,0,0\n2,1,0,0\n{cards}"));
         assert!(left_out(&read).starts_with(&format!("{line}: ")), "{cards}{}", left_out(&read));
@@ -46,6 +46,44 @@ fn cards_that_use_what_is_not_followed_are_left_out() {
         "*NODE\n1,0,0,0\n2,1,0,0\n*NSET,NSET=N\n1,2\n*NMAP,NSET=N,TYPE=RECTANGULAR\n0,0,0,0,1,0\n*MPC\nBEAM,2,1\n";
     let read = model(Abaqus, moved);
     assert_eq!((read.equations(), left_out(&read).lines().count()), (0, 2), "{}", left_out(&read));
+}
+
+/// The other lines of a card count, and other equations do not take the DOFs of one that is left out as slaves.
+#[test]
+fn single_lines_of_a_card_are_left_out() {
+    let copied = "*NODE\n1,0,0,0\n2,1,0,0\n3,1,0,0\n*NCOPY,CHANGE NUMBER=100,OLD SET=X,SHIFT,NEW SET=Y\n0,0,1\n\n";
+    let read = model(Abaqus, &format!("{copied}*BOUNDARY\n1,1\nY,1\n2,1\n"));
+    assert_eq!(prescribed(&read, &read.cases()[0]), ["1:1=0", "2:1=0"]);
+    let why = "constrains, but it needs a set that *NCOPY gives members, which this reader does not follow: left out";
+    assert_eq!(left_out(&read), format!("10: *BOUNDARY {why}"));
+    let terms = "3\n2,3,1.\nY,2,1.,2,2,-1.\n";
+    let read = model(Abaqus, &format!("{copied}*EQUATION\n2\n1,2,1.,2,2,-1.\n{terms}2\n2,3,1.,3,3,-1.\n"));
+    assert_eq!(equations(&read), ["1 1:2 -1 2:2", "1 2:3 -1 3:3"]);
+    assert_eq!(left_out(&read), format!("13: *EQUATION {why}"));
+    assert_eq!(read.left_out_claims().iter().map(|(dof, _)| dof.to_string()).collect::<Vec<_>>(), ["2:3"]);
+    let many = refused(Abaqus, &format!("{copied}*EQUATION\n2\nY,2,1.,2,2,-1.,3,2,1.\n2\n2,3,1.,3,3,-1.,1,1,1.\n"));
+    assert!(many.contains("deck.inp:12: *EQUATION, field 7: expected no more terms than promised"), "{many}");
+    let moved = "*NODE\n1,0,0,0\n2,1,0,0\n3,1,0,0\n*NGEN,LINE=C\n1,5\n*MPC\nPIN,2,1\nLINK,4,1\nPIN,3,1\n";
+    let read = model(Abaqus, moved);
+    assert_eq!(read.equations(), 6);
+    let why = "*MPC of type LINK constrains 2 nodes, but it needs the position of node 4, which this reader does not follow: left out";
+    assert!(left_out(&read).contains(&format!("7: {why}")), "{}", left_out(&read));
+}
+
+#[test]
+fn fields_of_generating_cards_are_numbers() {
+    for (cards, message) in [
+        ("*NGEN,NSET=L\n1,x,1\n*BOUNDARY\nL,1\n", "deck.inp:5: *NGEN, field 2: `x` is no usable number"),
+        ("*SYSTEM\n0,0,O\n", "deck.inp:5: *SYSTEM, field 3: `O` is no usable number"),
+        ("*SYSTEM\n0,0,0,1,1,1\n0,l\n", "deck.inp:6: *SYSTEM, field 2: `l` is no usable number"),
+        (
+            "*ELEMENT,TYPE=B31,ELSET=E\n1,1,2\n*ELGEN,ELSET=E\n1,y,1\n",
+            "deck.inp:7: *ELGEN, field 2: `y` is no usable number",
+        ),
+    ] {
+        let found = refused(Abaqus, &format!("*NODE\n1,0,0,0\n2,1,0,0\n{cards}"));
+        assert!(found.starts_with(message), "{found}");
+    }
 }
 
 #[test]

@@ -8,8 +8,8 @@ use super::cards::{boundary, cyclic, equation, expanded, mpc, old_coupling, refu
 use crate::deck::calculix::cards::coupling::{self, CouplingCard};
 use crate::deck::calculix::cards::rigid::BodyReference;
 use crate::deck::calculix::model::DeckDefinitions;
-use crate::deck::calculix::syntax::KeywordCard;
 use crate::deck::calculix::syntax::walk::walk;
+use crate::deck::calculix::syntax::{FieldFault, KeywordCard};
 use crate::deck::{DeckError, Dof, Load, LoadCase, Model, Prescribed, Problem, Solver, Sources};
 
 /// Reads a deck.
@@ -19,10 +19,7 @@ use crate::deck::{DeckError, Dof, Load, LoadCase, Model, Prescribed, Problem, So
 pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
     let mut has_mpc = false;
     let mut definitions = DeckDefinitions::read(sources, |card| has_mpc |= mpc::is_nonlinear(card))?;
-    definitions.check_nodes().map_err(|(line, (field, problem))| {
-        let (path, line) = (sources.paths()[line.file as usize].clone(), line.number as usize);
-        DeckError { path, line, card: "*NODE".into(), field, problem }
-    })?;
+    check_fields(&definitions, sources)?;
     // In ccx, some types of `*MPC` make all steps nonlinear.
     definitions.is_nonlinear |= has_mpc && sources.solver() == Solver::Ccx;
     let mut reader = CalculixReader::new(sources, definitions)?;
@@ -387,6 +384,18 @@ impl CalculixReader {
         let problem = Problem::Undefined { what: "node", name: self.model.node_name(node) };
         origin.map_or(Ok(()), |origin| Err(self.model.error(origin, None, problem)))
     }
+}
+
+/// Checks the fields of the cards that define nodes, and that generate nodes and elements.
+fn check_fields(definitions: &DeckDefinitions, sources: &Sources) -> Result<(), DeckError> {
+    let error = |card: &str, file: u32, line: u32, (field, problem): FieldFault| {
+        let path = sources.path(file as usize).to_path_buf();
+        Err(DeckError { path, line: line as usize, card: card.into(), field, problem })
+    };
+    if let Some((card, file, line, fault)) = &definitions.wrong {
+        return error(card, *file, *line, fault.clone());
+    }
+    definitions.check_nodes().or_else(|(line, fault)| error("*NODE", line.file, line.number, fault))
 }
 
 /// Whether the values of a `*BOUNDARY` card come from another model, a user's routine, or the current displacements.

@@ -1,6 +1,7 @@
 //! Reads `*BOUNDARY`, with lines `node or set, first component, last component, value` or with a named support, and `*CLOAD`, with lines
 //! `node or set, component, value`.
 
+use crate::deck::calculix::cards::or_line_left_out;
 use crate::deck::calculix::model::{DeckDefinitions, folded};
 use crate::deck::calculix::syntax::{DataFields, FieldFault, KeywordCard, Scope, component, number};
 use crate::deck::{DeckError, Dof, Load, Model, Origin, Prescribed, Problem};
@@ -32,15 +33,20 @@ pub fn read(
     let mut prescribed = Vec::new();
     for line in card.lines() {
         let origin = Origin { card: number, line: line.number, lines: 1 };
-        let mut fields = DataFields::new(&line);
-        let fail = |(field, problem): FieldFault| model.error(origin, field, problem);
-        let dofs = range(card.scope, &mut fields, definitions).map_err(fail)?;
-        let value = fields.real().map_err(fail)?.unwrap_or(0.0);
+        let read = values(card.scope, &mut DataFields::new(&line), definitions);
+        let read = read.map_err(|(field, problem)| model.error(origin, field, problem));
+        let (dofs, value) = or_line_left_out(read, line.file, model)?;
         // A value of zero is the same in every time history.
         let history = if value == 0.0 { 0 } else { history };
         prescribed.extend(dofs.into_iter().map(|dof| Prescribed { dof, value, history, origin }));
     }
     Ok(prescribed)
+}
+
+/// The DOFs on a line, and their value.
+fn values(scope: Scope, fields: &mut DataFields, definitions: &DeckDefinitions) -> Result<(Vec<Dof>, f64), FieldFault> {
+    let dofs = range(scope, fields, definitions)?;
+    Ok((dofs, fields.real()?.unwrap_or(0.0)))
 }
 
 /// The time history of a card's values. It is 0, the default of the step, or a named amplitude, possibly delayed, or that of a rate.

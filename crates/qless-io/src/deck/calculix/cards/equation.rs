@@ -3,6 +3,7 @@
 use std::rc::Rc;
 
 use crate::deck::calculix::cards::boundary::range;
+use crate::deck::calculix::cards::or_line_left_out;
 use crate::deck::calculix::model::DeckDefinitions;
 use crate::deck::calculix::syntax::{DataFields, DataLine, FieldFault, KeywordCard, Scope, component, float, number};
 use crate::deck::{DeckError, Dof, Model, Origin, Problem};
@@ -23,7 +24,18 @@ struct EquationTerm {
     coefficient: f64,
 }
 
-/// Adds the equations of an `*EQUATION` card.
+impl EquationTerm {
+    /// The DOFs of the term, one for each node.
+    fn dofs(&self) -> Vec<Dof> {
+        let nodes = match &self.nodes {
+            TermNodes::One(node) => std::slice::from_ref(node),
+            TermNodes::Set(set) => set.as_slice(),
+        };
+        nodes.iter().map(|&node| Dof { node, component: self.component }).collect()
+    }
+}
+
+/// Adds the equations of an `*EQUATION` card. An equation that needs what this reader does not follow is left out.
 pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions) -> Result<(), DeckError> {
     let mut lines = card.lines();
     let mut terms: Vec<EquationTerm> = Vec::new();
@@ -35,19 +47,29 @@ pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions
         let mut lines_of_it = 1;
         let promised = count(&head).map_err(|fault| fail(model, &head, fault))?;
         terms.clear();
-        while terms.len() < promised {
+        let (mut found, mut is_left_out) = (0, false);
+        while found < promised {
             let Some(line) = lines.next() else {
-                let problem = Problem::TooFew { what: "terms", promised, found: terms.len() };
+                let problem = Problem::TooFew { what: "terms", promised, found };
                 return Err(fail(model, &head, (None, problem)));
             };
-            add_terms(&line, promised, (card.scope, definitions), &mut terms)
-                .map_err(|fault| fail(model, &line, fault))?;
+            let known = terms.len();
+            let added = add_terms(&line, promised - found, (card.scope, definitions), &mut terms);
+            let added = added.map(|()| Some(terms.len() - known)).map_err(|fault| fail(model, &line, fault));
+            let added = or_line_left_out(added, line.file, model)?;
+            is_left_out |= added.is_none();
+            found += added.unwrap_or_else(|| line.fields().count().div_ceil(3));
             // The lines of an equation that continues in another file are counted in the first file only.
             if line.file == head.file {
                 lines_of_it = (line.number + 1).saturating_sub(head.number);
             }
         }
         let origin = Origin { card: number, line: head.number, lines: lines_of_it };
+        if is_left_out {
+            // Other equations must not have its DOFs as slaves.
+            model.claim_left_out(terms.iter().flat_map(EquationTerm::dofs), origin);
+            continue;
+        }
         push(&terms, origin, model).map_err(|problem| fail(model, &head, (None, problem)))?;
     }
     Ok(())
@@ -76,16 +98,17 @@ fn count(head: &DataLine) -> Result<usize, FieldFault> {
     Ok(terms as usize)
 }
 
-/// Reads the terms on a line. An error if the equation then has more terms than promised.
+/// Reads the terms on a line. An error if there are more than `most`.
 fn add_terms(
     line: &DataLine,
-    promised: usize,
+    most: usize,
     names: (Scope, &DeckDefinitions),
     terms: &mut Vec<EquationTerm>,
 ) -> Result<(), FieldFault> {
     let mut fields = line.fields().enumerate().map(|(k, field)| (k + 1, field));
+    let most = terms.len() + most;
     while let Some((at, field)) = fields.next() {
-        if terms.len() == promised {
+        if terms.len() == most {
             let expected = "no more terms than promised";
             return Err((Some(at), Problem::Expected { expected, found: quote(field) }));
         }

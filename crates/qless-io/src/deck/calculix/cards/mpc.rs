@@ -76,6 +76,12 @@ pub fn read(
             }
         };
         let before = model.equations();
+        if let Err(problem @ Problem::NotFollowed { .. }) = rows {
+            let text = format!("*MPC of type {kind} constrains {} nodes, but {problem}: left out", nodes.len());
+            model.leave_out(card.file, card.line, text);
+            claim(&place, model, definitions, nodes.iter().copied());
+            continue;
+        }
         place.push(model, rows)?;
         if kind == MEAN_ROTATION {
             rotations.push((before, mean_rotation::nodes(&nodes).map_err(|problem| place.fail(model, problem))?.0));

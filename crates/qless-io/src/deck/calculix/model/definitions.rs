@@ -29,6 +29,8 @@ pub struct DeckDefinitions {
     pub(super) generation: Generation,
     /// File and line of definitions that this reader does not follow, with what they do.
     pub not_followed: Vec<(u32, u32, &'static str)>,
+    /// The first wrong field of a card that generates nodes or elements: the card, file and line, and the fault.
+    pub wrong: Option<(&'static str, u32, u32, FieldFault)>,
     /// Whether the deck is read for Abaqus, and not for ccx.
     pub is_abaqus: bool,
     pub sets: SetTable,
@@ -65,14 +67,18 @@ const ONLY_ABAQUS: [&str; 8] = ["*INSTANCE", "*SYSTEM", "*NGEN", "*NCOPY", "*NFI
 impl DeckDefinitions {
     /// Reads the definitions of a deck, and calls `also` for each card. A deck with cards that only Abaqus knows is one of Abaqus.
     pub fn read(sources: &mut Sources, mut also: impl FnMut(&KeywordCard)) -> Result<Self, DeckError> {
-        let mut definitions = Self::default();
+        let (mut definitions, mut reason) = (Self::default(), None);
         walk(sources, &mut |card: &KeywordCard| {
             definitions.note(card);
             also(card);
+            if definitions.is_abaqus && reason.is_none() {
+                let keyword = String::from_utf8_lossy(&card.keyword);
+                reason = Some((card.file, card.line, format!("only Abaqus knows this {keyword}")));
+            }
             Ok(())
         })?;
         if definitions.is_abaqus {
-            sources.set_solver(Solver::Abaqus);
+            sources.set_solver(Solver::Abaqus, reason);
         }
         definitions.is_abaqus = sources.solver() == Solver::Abaqus;
         Ok(definitions)
