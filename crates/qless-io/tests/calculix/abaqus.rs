@@ -87,6 +87,13 @@ fn fields_of_generating_cards_are_numbers() {
 }
 
 #[test]
+fn imperfections_are_said_to_be_left_aside() {
+    let read = model(Abaqus, "*NODE\n1,0,0,0\n2,1,0,0\n*IMPERFECTION,FILE=modes,STEP=1\n1,.1\n*MPC\nBEAM,2,1\n");
+    assert_eq!(read.equations(), 3);
+    assert!(warnings(&read).contains("*IMPERFECTION moves nodes"), "{}", warnings(&read));
+}
+
+#[test]
 fn generated_nodes_are_in_their_set() {
     let text = "*NODE,NSET=L\n1,0,0,0\n5,4,0,0\n*NGEN,NSET=L\n1,5,1\n*EQUATION\n2\n3,1,1.,2,1,-1.\n*STEP\n*STATIC\n*BOUNDARY\nL,1,1,0.\n*END STEP\n";
     let generated = model(Abaqus, text);
@@ -180,6 +187,25 @@ fn pipes_rotate_and_continuum_shells_do_not() {
         model(Abaqus, &format!("{}{cards}", crate::from_text::BRICK.replace("C3D8", kind))).equations()
     };
     assert_eq!((top("C3D8"), top("SC8R"), top("CSS8")), (12, 12, 12));
+}
+
+/// Beams in the plane have the components 1, 2 and 6. ccx takes them as beams in space.
+#[test]
+fn beams_in_the_plane_have_three_components() {
+    let nodes = "*NODE\n1,0,0\n2,1,0\n3,1,0\n9,5,0\n*NSET,NSET=N\n2\n*SURFACE,NAME=S,TYPE=NODE\nN\n";
+    let slaves = |solver, kind: &str, card: &str| {
+        let read = model(solver, &format!("{nodes}*ELEMENT,TYPE={kind}\n1,1,2\n2,3,1\n{card}"));
+        equations(&read).iter().map(|text| text.split(' ').nth(1).expect("a slave").to_owned()).collect::<Vec<_>>()
+    };
+    let coupling = "*COUPLING,CONSTRAINT NAME=C,REF NODE=9,SURFACE=S\n*KINEMATIC\n1,6\n";
+    for card in ["*RIGID BODY,TIE NSET=N,REF NODE=9\n", "*MPC\nBEAM,2,9\n", "*MPC\nTIE,2,3\n", coupling] {
+        for kind in ["B21", "B23H", "PIPE21"] {
+            assert_eq!(slaves(Abaqus, kind, card), ["2:1", "2:2", "2:6"], "{kind} {card}");
+        }
+        assert_eq!(slaves(Abaqus, "B31", card).len(), 6, "{card}");
+    }
+    let body = "*RIGID BODY,NSET=N,REF NODE=9\n";
+    assert_eq!([slaves(Abaqus, "T2D2", body).len(), slaves(Ccx, "T2D2", body).len()], [2, 3]);
 }
 
 #[test]

@@ -207,8 +207,8 @@ fn beam(definitions: &DeckDefinitions, a: u32, b: u32, solver: Solver) -> Result
     if solver != Solver::Abaqus && !(rotates && definitions.rotates(b)) {
         return Ok(vec![distance(definitions, a, b)?]);
     }
-    let components = &[1, 2, 3, 4, 5, 6][..if rotates { 6 } else { 3 }];
-    kinematic(definitions, BodyReference::with_rotations(b), std::iter::once(a), components, None)
+    let components = definitions.components(a, rotates);
+    kinematic(definitions, BodyReference::with_rotations(b), std::iter::once(a), &components, None)
 }
 
 fn distance(definitions: &DeckDefinitions, a: u32, b: u32) -> Result<CardEquation, Problem> {

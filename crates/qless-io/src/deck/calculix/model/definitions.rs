@@ -62,7 +62,8 @@ pub struct DeckDefinitions {
 }
 
 /// Cards that Abaqus knows and ccx does not, and that change what other cards mean.
-const ONLY_ABAQUS: [&str; 8] = ["*INSTANCE", "*SYSTEM", "*NGEN", "*NCOPY", "*NFILL", "*NMAP", "*ELGEN", "*ELCOPY"];
+const ONLY_ABAQUS: [&str; 9] =
+    ["*INSTANCE", "*SYSTEM", "*NGEN", "*NCOPY", "*NFILL", "*NMAP", "*ELGEN", "*ELCOPY", "*IMPERFECTION"];
 
 impl DeckDefinitions {
     /// Reads the definitions of a deck, and calls `also` for each card. A deck with cards that only Abaqus knows is one of Abaqus.
