@@ -79,13 +79,18 @@ const DEPTH: usize = 50;
 
 /// The value of an expression.
 pub fn value(text: &[u8], names: &impl NameLookup) -> Result<f64, NoValue> {
+    operand(text, names).map(|operand| operand.value)
+}
+
+/// The value of an expression, and whether the program may store it as a whole number.
+pub fn operand(text: &[u8], names: &impl NameLookup) -> Result<Operand, NoValue> {
     let mut parser = ExpressionParser { rest: text, names, depth: 0 };
-    let value = parser.sum()?.value;
+    let operand = parser.sum()?;
     parser.blanks();
     if !parser.rest.is_empty() {
         return Err(NoValue::NotAnExpression);
     }
-    if value.is_finite() { Ok(value) } else { Err(NoValue::Unknown) }
+    if operand.value.is_finite() { Ok(operand) } else { Err(NoValue::Unknown) }
 }
 
 /// The value of an operation on two operands, which is whole if both are. If `is_strict`, a value with a fraction from two whole numbers is

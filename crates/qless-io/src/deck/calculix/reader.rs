@@ -29,7 +29,12 @@ pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
         let text = format!("{what}, which this reader does not follow: constraints that depend on it are left out");
         reader.model.leave_out(file, line, text);
     }
-    walk(sources, &mut |card: &KeywordCard| {
+    let parameters = std::mem::take(&mut reader.definitions.parameters);
+    walk(sources, &parameters, &mut |card: &KeywordCard| {
+        for (file, line, name) in parameters.without_value(card) {
+            let text = format!("the value of the parameter {name} is not followed: cards that need it are left out");
+            reader.model.warn(file, line, text);
+        }
         let result = reader.card(card);
         reader.or_left_out(result, card)
     })?;

@@ -3,6 +3,7 @@
 
 use crate::deck::calculix::cards::or_line_left_out;
 use crate::deck::calculix::model::{DeckDefinitions, folded};
+use crate::deck::calculix::syntax::parameters::undefined;
 use crate::deck::calculix::syntax::{DataFields, FieldFault, KeywordCard, Scope, component, number};
 use crate::deck::{DeckError, Dof, Load, Model, Origin, Prescribed, Problem};
 use crate::fault::quote;
@@ -33,20 +34,20 @@ pub fn read(
     let mut prescribed = Vec::new();
     for line in card.lines() {
         let origin = Origin { card: number, line: line.number, lines: 1 };
-        let read = values(card.scope, &mut DataFields::new(&line), definitions);
-        let read = read.map_err(|(field, problem)| model.error(origin, field, problem));
-        let (dofs, value) = or_line_left_out(read, line.file, model)?;
+        let mut fields = DataFields::new(&line);
+        let fail = |(field, problem): FieldFault| model.error(origin, field, problem);
+        let dofs = range(card.scope, &mut fields, definitions).map_err(fail);
+        let value = fields.real().map(|value| Some(value.unwrap_or(0.0))).map_err(fail);
+        let dofs = or_line_left_out(dofs, line.file, model)?;
+        let Some(value) = or_line_left_out(value, line.file, model)? else {
+            model.claim_left_out(dofs, origin);
+            continue;
+        };
         // A value of zero is the same in every time history.
         let history = if value == 0.0 { 0 } else { history };
         prescribed.extend(dofs.into_iter().map(|dof| Prescribed { dof, value, history, origin }));
     }
     Ok(prescribed)
-}
-
-/// The DOFs on a line, and their value.
-fn values(scope: Scope, fields: &mut DataFields, definitions: &DeckDefinitions) -> Result<(Vec<Dof>, f64), FieldFault> {
-    let dofs = range(scope, fields, definitions)?;
-    Ok((dofs, fields.real()?.unwrap_or(0.0)))
 }
 
 /// The time history of a card's values. It is 0, the default of the step, or a named amplitude, possibly delayed, or that of a rate.
@@ -59,7 +60,7 @@ fn history(
     let mut words: Vec<String> = rate.map(str::to_owned).into_iter().collect();
     if let Some(amplitude) = card.word("AMPLITUDE") {
         if !definitions.amplitudes.contains(&amplitude) {
-            return Err(Problem::Undefined { what: "amplitude", name: amplitude });
+            return Err(undefined("amplitude", amplitude));
         }
         words.push(amplitude);
         words.extend(card.parameter("TIMEDELAY").map(|delay| format!("{delay} later")));

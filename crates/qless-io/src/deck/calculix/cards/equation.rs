@@ -45,7 +45,14 @@ pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions
             model.error(Origin { card: number, line: line.number, lines: 1 }, field, problem)
         };
         let mut lines_of_it = 1;
-        let promised = count(&head).map_err(|fault| fail(model, &head, fault))?;
+        let promised = match count(&head) {
+            Err((_, problem @ Problem::NotFollowed { .. })) => {
+                let text = format!("*EQUATION constrains, but {problem}: left out, with the rest of the card");
+                model.leave_out(head.file, head.number, text);
+                return Ok(());
+            }
+            other => other.map_err(|fault| fail(model, &head, fault))?,
+        };
         terms.clear();
         let (mut found, mut is_left_out) = (0, false);
         while found < promised {

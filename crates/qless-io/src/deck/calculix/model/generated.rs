@@ -32,8 +32,10 @@ impl DeckDefinitions {
             b"C" => system.map(|system| Frame { kind: FrameKind::Cylindrical, ..system }),
             _ => None,
         };
+        let has_parameters = card.has_parameters();
+        self.generation.has_unknown_nodes |= has_parameters;
         let pieces = card.data.iter();
-        match frame {
+        match frame.filter(|_| !has_parameters) {
             Some(Frame::BASIC) => self.list(card.scope, pieces.cloned().collect(), true),
             Some(frame) => self.list(card.scope, pieces.map(|piece| in_global(piece, &frame)).collect(), true),
             None => self.list(card.scope, pieces.cloned().collect(), false),

@@ -5,6 +5,7 @@ use rustc_hash::FxHashMap;
 use crate::deck::Problem;
 use crate::deck::calculix::model::elements::{ElementShape, MeshElements};
 use crate::deck::calculix::model::{DeckDefinitions, ElementDefinition, folded};
+use crate::deck::calculix::syntax::parameters::undefined;
 use crate::deck::calculix::syntax::{DataLines, Scope, fold_name, number};
 use crate::fault::quote;
 
@@ -107,7 +108,7 @@ impl DeckSurface {
     pub fn find(definitions: &DeckDefinitions, scope: Scope, surface: &str) -> Result<Self, Problem> {
         let surface = fold_name(surface);
         let Some((_, patches)) = definitions.find(&definitions.surfaces, scope, &surface) else {
-            return Err(Problem::Undefined { what: "surface", name: surface });
+            return Err(undefined("surface", surface));
         };
         let mut found = Self::default();
         for patch in patches {
