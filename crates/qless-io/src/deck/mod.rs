@@ -54,6 +54,7 @@ pub use format::{Format, Solver, UnknownSolver};
 pub use model::{DeckEquation, Dof, Load, LoadCase, Model, Origin, Prescribed, Warning};
 pub use solver::Outcome;
 pub use source::Open;
+use source::SolverReason;
 pub(crate) use source::Sources;
 
 pub use crate::opened::{read_deck as read, read_deck_for as read_for};
@@ -64,8 +65,7 @@ pub struct Deck {
     solver: Solver,
     model: Model,
     texts: Vec<Arc<Vec<u8>>>,
-    /// Why another solver than the given one reads the deck: file, line and a clause.
-    other_solver: Option<(u32, u32, String)>,
+    other_solver: Option<SolverReason>,
 }
 
 impl Deck {

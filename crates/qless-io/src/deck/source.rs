@@ -11,6 +11,9 @@ use crate::deck::limits::{INCLUDE_DEPTH, INCLUDES};
 /// A function that returns the bytes of a file.
 pub type Open<'a> = &'a mut dyn FnMut(&Path) -> io::Result<Vec<u8>>;
 
+/// Why another solver than the given one reads the deck: file, line and a clause.
+pub type SolverReason = (u32, u32, String);
+
 /// The files that were read so far. A file is given by its number, from 0.
 pub struct Sources<'a> {
     solver: Solver,
@@ -18,8 +21,7 @@ pub struct Sources<'a> {
     texts: Vec<Arc<Vec<u8>>>,
     open: Open<'a>,
     includes: usize,
-    /// Why another solver than the given one reads the deck: file, line and a clause.
-    other_solver: Option<(u32, u32, String)>,
+    other_solver: Option<SolverReason>,
 }
 
 impl<'a> Sources<'a> {
@@ -45,9 +47,8 @@ impl<'a> Sources<'a> {
         self.solver
     }
 
-    /// Changes the solver. A reader calls this if the text shows that only the new solver can read the deck. The reason is a file, a line and
-    /// a clause.
-    pub fn set_solver(&mut self, solver: Solver, reason: Option<(u32, u32, String)>) {
+    /// Changes the solver. A reader calls this if the text shows that only the new solver can read the deck.
+    pub fn set_solver(&mut self, solver: Solver, reason: Option<SolverReason>) {
         if self.solver != solver {
             self.other_solver = reason;
         }
@@ -55,7 +56,7 @@ impl<'a> Sources<'a> {
     }
 
     /// The reason with which a reader has changed the solver.
-    pub fn other_solver(&mut self) -> Option<(u32, u32, String)> {
+    pub fn other_solver(&mut self) -> Option<SolverReason> {
         self.other_solver.take()
     }
 

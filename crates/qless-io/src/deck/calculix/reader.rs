@@ -166,7 +166,7 @@ impl CalculixReader {
     /// Records a mean rotation, so that its slave can be chosen at the end.
     fn note_mean_rotation(&mut self, equation: usize, nodes: Vec<u32>) {
         let dofs = self.model.nth(equation).columns.iter().map(|&j| self.model.dofs[j as usize]);
-        let prescribed = dofs.filter(|dof| self.values.prescribes(dof)).collect();
+        let prescribed = dofs.filter(|dof| self.values.prescribes(*dof)).collect();
         self.mean_rotations.push(MeanRotation { equation, prescribed, nodes });
     }
 

@@ -41,8 +41,8 @@ impl StepValues {
     }
 
     /// Whether a DOF is prescribed.
-    pub fn prescribes(&self, dof: &Dof) -> bool {
-        self.prescribed.contains_key(dof)
+    pub fn prescribes(&self, dof: Dof) -> bool {
+        self.prescribed.contains_key(&dof)
     }
 
     /// Begins a step.
@@ -118,25 +118,29 @@ impl StepValues {
             self.forget(card, is_first || definitions.is_abaqus, model);
         }
         let mut all = boundary::read(card, model, definitions, rate.as_deref())?;
-        let mut unknown = BTreeSet::new();
-        if ["USER", "SUBMODEL"].iter().any(|source| card.parameter(source).is_some()) {
-            unknown.extend(all.iter().map(|given| given.dof));
-        } else if let Some(reached) = reached {
-            unknown.extend(all.iter_mut().filter_map(|given| self.fix(given, &reached, model)));
-        }
+        let unknown = self.unknown_of(card, reached.as_ref(), &mut all, model);
         all.into_iter().for_each(|given| self.prescribe(given, unknown.contains(&given.dof)));
         if rate.is_some() && self.steps > 1 {
             let text = "*BOUNDARY of a rate starts from the displacements that the step before reaches, which this reader does not follow";
             model.leave_out(card.file, card.line, text);
         }
-        if let Some(dof) = unknown.first() {
-            let name = model.dof_name(*dof);
-            let text = format!(
-                "*BOUNDARY: values that are not in the deck, such as that of {name}, count as 0: what is said of conflicts with them may be wrong"
-            );
-            model.leave_out(card.file, card.line, text);
-        }
+        say_unknown(card, &unknown, model);
         Ok(())
+    }
+
+    /// The DOFs on a card whose values the deck does not have. Sets those of `FIXED` that it has, from what is `reached` before.
+    fn unknown_of(
+        &self,
+        card: &KeywordCard,
+        reached: Option<&PrescribedBySteps>,
+        all: &mut [Prescribed],
+        model: &mut Model,
+    ) -> BTreeSet<Dof> {
+        if ["USER", "SUBMODEL"].iter().any(|source| card.parameter(source).is_some()) {
+            return all.iter().map(|given| given.dof).collect();
+        }
+        let fix = |reached| all.iter_mut().filter_map(|given| self.fix(given, reached, model)).collect();
+        reached.map(fix).unwrap_or_default()
     }
 
     /// Puts a value in force. It replaces one of an earlier step. Different values in the same step contradict each other.
@@ -163,13 +167,14 @@ impl StepValues {
         (given.value, given.history) = (0.0, 0);
         let before = reached.get(&given.dof).filter(|(_, step)| *step < self.steps);
         match before {
+            // Nothing has moved before the first step.
+            _ if self.steps <= 1 => None,
             Some((before, _)) if !self.unknown.contains(&given.dof) => {
                 let name = model.histories().nth(before.history as usize).flatten().map(str::to_owned);
                 given.value = before.value;
                 given.history = name.map_or(0, |name| model.history(&format!("{name} at its end")));
                 None
             }
-            None if self.steps <= 1 => None,
             _ => Some(given.dof),
         }
     }
@@ -186,4 +191,13 @@ impl StepValues {
         self.prescribed.retain(|_, (_, step)| *step == self.steps && self.steps > 0);
         self.clashes.retain(|clash| self.prescribed.contains_key(&clash.dof));
     }
+}
+
+/// Says that a card has values that are not in the deck.
+fn say_unknown(card: &KeywordCard, unknown: &BTreeSet<Dof>, model: &mut Model) {
+    let Some(name) = unknown.first().map(|dof| model.dof_name(*dof)) else { return };
+    let text = format!(
+        "*BOUNDARY: values that are not in the deck, such as that of {name}, count as 0: what is said of conflicts with them may be wrong"
+    );
+    model.leave_out(card.file, card.line, text);
 }

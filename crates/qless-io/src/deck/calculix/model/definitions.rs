@@ -5,7 +5,6 @@ use std::cell::{OnceCell, RefCell};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::deck::calculix::model::elements::{ElementShape, MeshElements};
-use crate::deck::calculix::model::generated::unless_not_followed;
 use crate::deck::calculix::model::instances::{Instance, InstanceMotion, NodeNumbers};
 use crate::deck::calculix::model::{
     AxesCard, ElementDefinition, Generation, LocalAxes, ScopedName, SetMembers, SetPart, SetTable, SurfaceCard, axes,
@@ -13,12 +12,13 @@ use crate::deck::calculix::model::{
 use crate::deck::calculix::syntax::parameters::DeckParameters;
 use crate::deck::calculix::syntax::walk::walk;
 use crate::deck::calculix::syntax::{
-    DataFields, DataLine, DataLines, DataPiece, FieldFault, KeywordCard, Scope, float, number,
+    DataFields, DataLine, DataLines, DataPiece, FieldFault, KeywordCard, Scope, float, number, unless_not_followed,
 };
 use crate::deck::kinematics::axes::{BASIC_AXES, Frame};
 use crate::deck::kinematics::body::Pose;
 use crate::deck::kinematics::body::Poses;
 use crate::deck::kinematics::vector::Vector;
+use crate::deck::source::SolverReason;
 use crate::deck::{DeckError, Problem, Solver, Sources};
 
 /// The definitions of a deck: nodes, sets, elements and so on. They are kept as text until they are needed.
@@ -91,12 +91,12 @@ impl DeckDefinitions {
         Ok(definitions)
     }
 
-    /// Reads the definitions with these parameters. Returns them, and the first card that only Abaqus knows: its file, its line and a clause.
+    /// Reads the definitions with these parameters. Returns them, and the first card that only Abaqus knows.
     fn noted(
         sources: &mut Sources,
         parameters: &DeckParameters,
         also: &mut dyn FnMut(&KeywordCard),
-    ) -> Result<(Self, Option<(u32, u32, String)>), DeckError> {
+    ) -> Result<(Self, Option<SolverReason>), DeckError> {
         let (mut definitions, mut reason) = (Self::default(), None);
         walk(sources, parameters, &mut |card: &KeywordCard| {
             definitions.note(card);

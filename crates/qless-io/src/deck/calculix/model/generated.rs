@@ -11,11 +11,10 @@
 use std::fmt::Write;
 use std::sync::Arc;
 
-use crate::deck::Problem;
 use crate::deck::calculix::model::frames::along;
 use crate::deck::calculix::model::{DeckDefinitions, ElementDefinition, Generation, SetMembers, SetPart};
 use crate::deck::calculix::syntax::{
-    DataFields, DataLine, DataLines, DataPiece, FieldFault, KeywordCard, Scope, float, number,
+    DataFields, DataLine, DataLines, DataPiece, KeywordCard, Scope, float, number, unless_not_followed,
 };
 use crate::deck::kinematics::axes::{Frame, FrameKind};
 use crate::deck::kinematics::vector::{Vector, minus, plus, scaled};
@@ -184,11 +183,6 @@ impl DeckDefinitions {
         *blocks = self.blocks.len();
         elements.get(&(scope, element)).map(|(at, nodes)| (self.blocks[*at].kind.clone(), nodes.clone()))
     }
-}
-
-/// The fault of a field, unless this reader does not follow the field.
-pub fn unless_not_followed(fault: FieldFault) -> Result<(), FieldFault> {
-    if matches!(fault.1, Problem::NotFollowed { .. }) { Ok(()) } else { Err(fault) }
 }
 
 /// The frame of `*SYSTEM`; `None` if it is not known.

@@ -85,6 +85,11 @@ pub fn fold_name(text: &str) -> String {
 /// A wrong field: its number, from 1, and the problem.
 pub type FieldFault = (Option<usize>, Problem);
 
+/// The fault of a field, unless this reader does not follow the field.
+pub fn unless_not_followed(fault: FieldFault) -> Result<(), FieldFault> {
+    if matches!(fault.1, Problem::NotFollowed { .. }) { Ok(()) } else { Err(fault) }
+}
+
 /// Fields of a line, read one by one.
 pub struct DataFields<'a> {
     rest: Box<dyn Iterator<Item = &'a [u8]> + 'a>,
