@@ -1,6 +1,7 @@
 //! What Abaqus reads in another way than ccx.
 
 use qless_io::deck::Solver::{Abaqus, Ccx};
+use qless_io::deck::clean;
 
 use crate::from_text::{brick, equations, model, parsed, prescribed, refused, warnings};
 
@@ -110,6 +111,12 @@ fn parameters_have_their_values() {
     // They may stand in place of names and of numbers of nodes, and on keyword lines.
     let body = "*PARAMETER\nr = 1\nx = 2.\nn = 'N2'\n*NODE\n<r>,0,0,0\n2,<x>,0,0\n*NSET,NSET=<n>\n2\n*RIGID BODY,PIN NSET=N2,REF NODE=<r>\n";
     assert_eq!(equations(&model(Abaqus, body)), ["1 2:1 -1 1:1", "1 2:2 -1 1:2 -2 1:6", "1 2:3 -1 1:3 2 1:5"]);
+    // Equations with numbers replace those with parameters.
+    let twice = "*PARAMETER\na = 2.\n*NODE\n1,0,0,0\n2,<a>,0,0\n*EQUATION\n2\n2,1,<a>,1,1,-1.\n2\n2,1,4.,1,1,-2.\n";
+    let deck = parsed(Abaqus, twice).expect("a deck");
+    let plan = clean::plan(&deck, &qless::Options::default()).expect("a plan");
+    let text = String::from_utf8(clean::write(&deck, &plan).expect("written")).expect("text");
+    assert_eq!(equations(&model(Abaqus, &text)), ["2 2:1 -1 1:1"], "{text}");
     // Only Abaqus has parameters.
     assert_eq!(parsed(Ccx, body).expect("a deck").solver(), Abaqus);
 }
