@@ -25,7 +25,9 @@ const BAR: &str = "*BEAM SECTION, ELSET=E, MATERIAL=M, SECTION=RECT\n.12,.25\n-.
 const SHELL: &str = "*SHELL SECTION, ELSET=E, MATERIAL=M\n.1\n";
 const SOLID: &str = "*SOLID SECTION, ELSET=E, MATERIAL=M\n.1\n";
 
-const MESHES: [Mesh; 10] = [
+const MESHES: [Mesh; 11] = [
+    // A beam of the plane, which ccx takes as one in space.
+    Mesh { kind: "B21", elements: LINE, section: BAR, slope: 0.4, held: "1,1,3\n3,1,3\n" },
     Mesh { kind: "B31", elements: LINE, section: BAR, slope: 0.4, held: "1,1,3\n3,1,3\n" },
     Mesh { kind: "B31R", elements: LINE, section: BAR, slope: 0.0, held: "1,1,3\n3,1,3\n" },
     Mesh { kind: "B32", elements: "1,1,2,3\n", section: BAR, slope: 0.4, held: "1,1,3\n3,1,3\n" },

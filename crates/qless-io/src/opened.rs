@@ -84,11 +84,14 @@ impl Opened {
                 problem: "it is a matrix or a list of relations; name a deck",
             });
         };
+        let asked = solver;
         let solver = solver.unwrap_or(format.into());
         if solver.format() != format {
             return Err(ReadError::Solver { path, solver, format });
         }
-        Ok(deck::parse(solver, &path, text, &mut |file: &Path| bytes::read(file))?)
+        let mut deck = deck::parse(solver, &path, text, &mut |file: &Path| bytes::read(file))?;
+        asked.into_iter().for_each(|asked| deck.warn_of_other_solver(asked));
+        Ok(deck)
     }
 
     /// Parses a matrix or relations. A matrix takes its right-hand side and prescribed DOFs from other files, as [`read_case`] does;

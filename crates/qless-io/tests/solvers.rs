@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use qless_io::deck::clean::{Finding, findings};
-use qless_io::deck::{Deck, Outcome, Solver, UnknownSolver, parse};
+use qless_io::deck::{Deck, Outcome, Solver, UnknownSolver, parse, read_for};
 
 fn deck(solver: Solver, text: &str) -> Deck {
     let mut none = |_: &Path| Err(std::io::ErrorKind::NotFound.into());
@@ -144,4 +144,21 @@ fn what_is_left_of_several_claims_meets_the_next() {
     };
     let stops = "1:1 is the slave of line 10 *RIGID BODY, and of line 13 *EQUATION: ccx stops".to_owned();
     assert_eq!(words, [dropped(1), dropped(2), dropped(3), stops]);
+}
+
+/// A card of Abaqus makes the deck one of Abaqus. Who asks for ccx is told.
+#[test]
+fn a_solver_that_cannot_read_the_deck_is_replaced_with_a_warning() {
+    let place = tempfile::tempdir().expect("a folder");
+    let path = place.path().join("generated.inp");
+    std::fs::write(&path, "*NODE\n1,0.,0.,0.\n5,4.,0.,0.\n*NGEN\n1,5\n*NGEN\n6,9\n").expect("a deck");
+    let said = |asked| {
+        let deck = read_for(&path, asked).expect("a deck");
+        assert_eq!(deck.solver(), Solver::Abaqus);
+        let warnings = deck.model().warnings().iter().filter(|warning| !warning.leaves_out);
+        warnings.map(|warning| format!("{}: {}", warning.line, warning.text)).collect::<Vec<_>>()
+    };
+    let why = "4: only Abaqus knows this *NGEN: the deck is read as one of abaqus, although ccx is asked for";
+    assert_eq!(said(Some(Solver::Ccx)), [why]);
+    assert_eq!([said(None), said(Some(Solver::Abaqus))], [vec![""; 0], vec![]]);
 }

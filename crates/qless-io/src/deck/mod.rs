@@ -4,6 +4,7 @@
 //! | module, lowest layer first | content |
 //! | --- | --- |
 //! | `format`, `error`, `limits` | formats and solvers; errors in decks; limits on time and memory |
+//! | `expression` | values of expressions of parameters |
 //! | `source`, `detect` | a deck and its included files; detection of the format |
 //! | `cards`, `model` | constraints of a deck of any format |
 //! | `kinematics` | equations of rigid bodies and weighted means |
@@ -27,6 +28,7 @@ mod cards;
 pub mod clean;
 mod detect;
 mod error;
+mod expression;
 mod faults;
 mod format;
 mod kinematics;
@@ -52,6 +54,7 @@ pub use format::{Format, Solver, UnknownSolver};
 pub use model::{DeckEquation, Dof, Load, LoadCase, Model, Origin, Prescribed, Warning};
 pub use solver::Outcome;
 pub use source::Open;
+use source::SolverReason;
 pub(crate) use source::Sources;
 
 pub use crate::opened::{read_deck as read, read_deck_for as read_for};
@@ -62,9 +65,18 @@ pub struct Deck {
     solver: Solver,
     model: Model,
     texts: Vec<Arc<Vec<u8>>>,
+    other_solver: Option<SolverReason>,
 }
 
 impl Deck {
+    /// Warns if another solver than `asked` reads the deck.
+    pub(crate) fn warn_of_other_solver(&mut self, asked: Solver) {
+        if let Some((file, line, why)) = self.other_solver.take() {
+            let text = format!("{why}: the deck is read as one of {}, although {asked} is asked for", self.solver);
+            self.model.warn(file, line, text);
+        }
+    }
+
     /// The format of the deck.
     pub fn format(&self) -> Format {
         self.solver.format()
@@ -149,7 +161,8 @@ pub fn parse(solver: impl Into<Solver>, path: &Path, bytes: Vec<u8>, open: Open)
     let solver = solver.into();
     let mut sources = Sources::new(solver, path, bytes, open);
     let model = read_model(&mut sources, &[])?;
-    Ok(Deck { solver: sources.solver(), model, texts: sources.into_texts() })
+    let other_solver = sources.other_solver();
+    Ok(Deck { solver: sources.solver(), model, other_solver, texts: sources.into_texts() })
 }
 
 /// Reads the model of a deck. A model of an ANSYS deck also has the DOFs `others`, even if no equation names them.

@@ -11,6 +11,9 @@ use crate::deck::limits::{INCLUDE_DEPTH, INCLUDES};
 /// A function that returns the bytes of a file.
 pub type Open<'a> = &'a mut dyn FnMut(&Path) -> io::Result<Vec<u8>>;
 
+/// Why another solver than the given one reads the deck: file, line and a clause.
+pub type SolverReason = (u32, u32, String);
+
 /// The files that were read so far. A file is given by its number, from 0.
 pub struct Sources<'a> {
     solver: Solver,
@@ -18,17 +21,25 @@ pub struct Sources<'a> {
     texts: Vec<Arc<Vec<u8>>>,
     open: Open<'a>,
     includes: usize,
+    other_solver: Option<SolverReason>,
 }
 
 impl<'a> Sources<'a> {
     /// The sources of a deck of which only the main file is read.
     pub fn new(solver: Solver, path: &Path, bytes: Vec<u8>, open: Open<'a>) -> Self {
-        Self { solver, paths: vec![path.to_path_buf()], texts: vec![Arc::new(bytes)], open, includes: 0 }
+        Self {
+            solver,
+            paths: vec![path.to_path_buf()],
+            texts: vec![Arc::new(bytes)],
+            open,
+            includes: 0,
+            other_solver: None,
+        }
     }
 
     /// The sources of a deck whose files were all read before.
     pub(super) fn again(solver: Solver, paths: &[PathBuf], texts: &[Arc<Vec<u8>>], open: Open<'a>) -> Self {
-        Self { solver, paths: paths.to_vec(), texts: texts.to_vec(), open, includes: 0 }
+        Self { solver, paths: paths.to_vec(), texts: texts.to_vec(), open, includes: 0, other_solver: None }
     }
 
     /// The solver for which the deck is read.
@@ -37,8 +48,16 @@ impl<'a> Sources<'a> {
     }
 
     /// Changes the solver. A reader calls this if the text shows that only the new solver can read the deck.
-    pub fn set_solver(&mut self, solver: Solver) {
+    pub fn set_solver(&mut self, solver: Solver, reason: Option<SolverReason>) {
+        if self.solver != solver {
+            self.other_solver = reason;
+        }
         self.solver = solver;
+    }
+
+    /// The reason with which a reader has changed the solver.
+    pub fn other_solver(&mut self) -> Option<SolverReason> {
+        self.other_solver.take()
     }
 
     /// The path of a file.

@@ -1,6 +1,7 @@
 //! What Abaqus reads in another way than ccx.
 
 use qless_io::deck::Solver::{Abaqus, Ccx};
+use qless_io::deck::clean;
 
 use crate::from_text::{brick, equations, model, parsed, prescribed, refused, warnings};
 
@@ -37,7 +38,7 @@ fn cards_that_use_what_is_not_followed_are_left_out() {
         *STEP\n*STATIC\n*BOUNDARY\nY,1,1\n*BOUNDARY\nY,2,2\n*END STEP\n";
     assert!(left_out(&model(Abaqus, twice)).lines().count() >= 2, "{}", left_out(&model(Abaqus, twice)));
     for (line, cards) in
-        [(5, "*NGEN\n1,12,5\n*EQUATION\n2\n77,1,1.,78,1,-1.\n"), (5, "*NGEN\n2,1,-1\n"), (4, "*SYSTEM\n0,0,O\n")]
+        [(5, "*NGEN\n1,12,5\n*EQUATION\n2\n77,1,1.,78,1,-1.\n"), (5, "*NGEN\n2,1,-1\n"), (4, "*SYSTEM\n0,0,0,0,0,0\n")]
     {
         let read = model(Abaqus, &format!("*NODE\n1,0,0,0\n2,1,0,0\n{cards}"));
         assert!(left_out(&read).starts_with(&format!("{line}: ")), "{cards}{}", left_out(&read));
@@ -46,6 +47,115 @@ fn cards_that_use_what_is_not_followed_are_left_out() {
         "*NODE\n1,0,0,0\n2,1,0,0\n*NSET,NSET=N\n1,2\n*NMAP,NSET=N,TYPE=RECTANGULAR\n0,0,0,0,1,0\n*MPC\nBEAM,2,1\n";
     let read = model(Abaqus, moved);
     assert_eq!((read.equations(), left_out(&read).lines().count()), (0, 2), "{}", left_out(&read));
+}
+
+/// The other lines of a card count, and other equations do not take the DOFs of one that is left out as slaves.
+#[test]
+fn single_lines_of_a_card_are_left_out() {
+    let copied = "*NODE\n1,0,0,0\n2,1,0,0\n3,1,0,0\n*NCOPY,CHANGE NUMBER=100,OLD SET=X,SHIFT,NEW SET=Y\n0,0,1\n\n";
+    let read = model(Abaqus, &format!("{copied}*BOUNDARY\n1,1\nY,1\n2,1\n"));
+    assert_eq!(prescribed(&read, &read.cases()[0]), ["1:1=0", "2:1=0"]);
+    let why = "constrains, but it needs a set that *NCOPY gives members, which this reader does not follow: left out";
+    assert_eq!(left_out(&read), format!("10: *BOUNDARY {why}"));
+    let terms = "3\n2,3,1.\nY,2,1.,2,2,-1.\n";
+    let read = model(Abaqus, &format!("{copied}*EQUATION\n2\n1,2,1.,2,2,-1.\n{terms}2\n2,3,1.,3,3,-1.\n"));
+    assert_eq!(equations(&read), ["1 1:2 -1 2:2", "1 2:3 -1 3:3"]);
+    assert_eq!(left_out(&read), format!("13: *EQUATION {why}"));
+    assert_eq!(read.left_out_claims().iter().map(|(dof, _)| dof.to_string()).collect::<Vec<_>>(), ["2:3"]);
+    let many = refused(Abaqus, &format!("{copied}*EQUATION\n2\nY,2,1.,2,2,-1.,3,2,1.\n2\n2,3,1.,3,3,-1.,1,1,1.\n"));
+    assert!(many.contains("deck.inp:12: *EQUATION, field 7: expected no more terms than promised"), "{many}");
+    let moved = "*NODE\n1,0,0,0\n2,1,0,0\n3,1,0,0\n*NGEN,LINE=C\n1,5\n*MPC\nPIN,2,1\nLINK,4,1\nPIN,3,1\n";
+    let read = model(Abaqus, moved);
+    assert_eq!(read.equations(), 6);
+    let why = "*MPC of type LINK constrains 2 nodes, but it needs the position of node 4, which this reader does not follow: left out";
+    assert!(left_out(&read).contains(&format!("7: {why}")), "{}", left_out(&read));
+}
+
+#[test]
+fn fields_of_generating_cards_are_numbers() {
+    for (cards, message) in [
+        ("*NGEN,NSET=L\n1,x,1\n*BOUNDARY\nL,1\n", "deck.inp:5: *NGEN, field 2: `x` is no usable number"),
+        ("*SYSTEM\n0,0,O\n", "deck.inp:5: *SYSTEM, field 3: `O` is no usable number"),
+        ("*SYSTEM\n0,0,0,1,1,1\n0,l\n", "deck.inp:6: *SYSTEM, field 2: `l` is no usable number"),
+        (
+            "*ELEMENT,TYPE=B31,ELSET=E\n1,1,2\n*ELGEN,ELSET=E\n1,y,1\n",
+            "deck.inp:7: *ELGEN, field 2: `y` is no usable number",
+        ),
+    ] {
+        let found = refused(Abaqus, &format!("*NODE\n1,0,0,0\n2,1,0,0\n{cards}"));
+        assert!(found.starts_with(message), "{found}");
+    }
+}
+
+/// A deck with these lines of `*PARAMETER`: its equation, its prescribed values, and what is left out and said.
+fn with_parameters(lines: &str) -> (Vec<String>, Vec<String>, String) {
+    let cards = "*NSET,NSET=N1\n1\n*EQUATION\n2\n2,<k>,1.,1,1,<a>\n*BOUNDARY\n<set>,2,2,<A>\n";
+    let read = model(Abaqus, &format!("*NODE\n1,0,0,0\n2,1,0,0\n{cards}*PARAMETER\n{lines}"));
+    (equations(&read), prescribed(&read, &read.cases()[0]), left_out(&read) + &warnings(&read))
+}
+
+#[test]
+fn parameters_have_their_values() {
+    for (a, value) in [
+        ("-2.5", "-2.5"),
+        ("-2.5*(3 - 1.) # a comment", "-5"),
+        ("b/4.", "2"),
+        ("2*sqrt(b*2)", "8"),
+        ("cos(pi)*b**2", "-64"),
+        ("max(b, 9)", "9"),
+    ] {
+        let found = with_parameters(&format!("** twice\nb = 8\nk = 2\nset = 'N1'\n a = {a}\n"));
+        let expected = (vec![format!("1 2:2 {value} 1:1")], vec![format!("1:2={value}")], String::new());
+        assert_eq!(found, expected, "{a}");
+    }
+    // They may stand in place of names and of numbers of nodes, and on keyword lines.
+    let body = "*PARAMETER\nr = 1\nx = 2.\nn = 'N2'\n*NODE\n<r>,0,0,0\n2,<x>,0,0\n*NSET,NSET=<n>\n2\n*RIGID BODY,PIN NSET=N2,REF NODE=<r>\n";
+    assert_eq!(equations(&model(Abaqus, body)), ["1 2:1 -1 1:1", "1 2:2 -1 1:2 -2 1:6", "1 2:3 -1 1:3 2 1:5"]);
+    // Equations with numbers replace those with parameters.
+    let twice = "*PARAMETER\na = 2.\n*NODE\n1,0,0,0\n2,<a>,0,0\n*EQUATION\n2\n2,1,<a>,1,1,-1.\n2\n2,1,4.,1,1,-2.\n";
+    let deck = parsed(Abaqus, twice).expect("a deck");
+    let plan = clean::plan(&deck, &qless::Options::default()).expect("a plan");
+    let text = String::from_utf8(clean::write(&deck, &plan).expect("written")).expect("text");
+    assert_eq!(equations(&model(Abaqus, &text)), ["2 2:1 -1 1:1"], "{text}");
+    // Only Abaqus has parameters.
+    assert_eq!(parsed(Ccx, body).expect("a deck").solver(), Abaqus);
+}
+
+#[test]
+fn cards_with_parameters_without_a_value_are_left_out() {
+    for a in ["7/2", "f(3)", "b[0]", "", "1.\na = 2.", "somewhere*2."] {
+        let (equations, prescribed, said) = with_parameters(&format!("k = 2\nset = 'N1'\na = {a}\n"));
+        assert_eq!((equations.len(), prescribed.len()), (0, 0), "{a}: {said}");
+        for (line, card, name) in [(8, "*EQUATION", "a"), (10, "*BOUNDARY", "A")] {
+            let why = format!(
+                "{line}: {card} constrains, but it needs the value of the parameter {name}, which this reader does not follow"
+            );
+            assert!(said.contains(&why), "{said}");
+        }
+        assert!(said.contains("the value of the parameter A is not followed"), "{said}");
+    }
+    let count = model(Abaqus, "*PARAMETER\nn = f(2)\n*EQUATION\n2\n1,1,1.,2,1,1.\n<n>\n2,2,1.\n");
+    assert_eq!(count.equations(), 1);
+    assert!(left_out(&count).contains("6: ") && left_out(&count).contains("left out, with the rest of the card"));
+    // Nodes: equations do not need their positions, and rigid bodies do.
+    let nodes = "*PARAMETER\nx = f(2)\n*NODE\n1,0,0,0\n2,<x>,0,0\n*EQUATION\n2\n1,1,1.,2,1,1.\n*MPC\nBEAM,2,1\n*NODE\n3,0,0,0\n4,1,0,0\n*MPC\nBEAM,3,4\n";
+    let read = model(Abaqus, nodes);
+    assert_eq!((read.equations(), left_out(&read).lines().count()), (4, 1), "{}", left_out(&read));
+    assert!(left_out(&read).contains("needs the position of node 2"), "{}", left_out(&read));
+    let set = model(Abaqus, "*PARAMETER\ns = f(2)\n*NODE\n1,0,0,0\n*RIGID BODY,PIN NSET=<s>,REF NODE=1\n");
+    assert!(
+        left_out(&set).contains("the value of the parameter s")
+            || left_out(&set).contains("the value of the parameter S")
+    );
+    let elements = model(Abaqus, "*PARAMETER\nn = f(2)\n*ELEMENT,TYPE=B31\n1,<n>,2\n");
+    assert!(left_out(&elements).contains("*ELEMENT has a parameter whose value is not known"));
+}
+
+#[test]
+fn imperfections_are_said_to_be_left_aside() {
+    let read = model(Abaqus, "*NODE\n1,0,0,0\n2,1,0,0\n*IMPERFECTION,FILE=modes,STEP=1\n1,.1\n*MPC\nBEAM,2,1\n");
+    assert_eq!(read.equations(), 3);
+    assert!(warnings(&read).contains("*IMPERFECTION moves nodes"), "{}", warnings(&read));
 }
 
 #[test]
@@ -142,6 +252,25 @@ fn pipes_rotate_and_continuum_shells_do_not() {
         model(Abaqus, &format!("{}{cards}", crate::from_text::BRICK.replace("C3D8", kind))).equations()
     };
     assert_eq!((top("C3D8"), top("SC8R"), top("CSS8")), (12, 12, 12));
+}
+
+/// Beams in the plane have the components 1, 2 and 6. ccx takes them as beams in space.
+#[test]
+fn beams_in_the_plane_have_three_components() {
+    let nodes = "*NODE\n1,0,0\n2,1,0\n3,1,0\n9,5,0\n*NSET,NSET=N\n2\n*SURFACE,NAME=S,TYPE=NODE\nN\n";
+    let slaves = |solver, kind: &str, card: &str| {
+        let read = model(solver, &format!("{nodes}*ELEMENT,TYPE={kind}\n1,1,2\n2,3,1\n{card}"));
+        equations(&read).iter().map(|text| text.split(' ').nth(1).expect("a slave").to_owned()).collect::<Vec<_>>()
+    };
+    let coupling = "*COUPLING,CONSTRAINT NAME=C,REF NODE=9,SURFACE=S\n*KINEMATIC\n1,6\n";
+    for card in ["*RIGID BODY,TIE NSET=N,REF NODE=9\n", "*MPC\nBEAM,2,9\n", "*MPC\nTIE,2,3\n", coupling] {
+        for kind in ["B21", "B23H", "PIPE21"] {
+            assert_eq!(slaves(Abaqus, kind, card), ["2:1", "2:2", "2:6"], "{kind} {card}");
+        }
+        assert_eq!(slaves(Abaqus, "B31", card).len(), 6, "{card}");
+    }
+    let body = "*RIGID BODY,NSET=N,REF NODE=9\n";
+    assert_eq!([slaves(Abaqus, "T2D2", body).len(), slaves(Ccx, "T2D2", body).len()], [2, 3]);
 }
 
 #[test]

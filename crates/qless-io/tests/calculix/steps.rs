@@ -67,11 +67,37 @@ fn ccx_heeds_op_new_on_the_first_card_of_a_step_only() {
 
 #[test]
 fn values_that_are_not_in_the_deck_are_said_to_be_so() {
-    for source in ["USER", "SUBMODEL, STEP=1", "FIXED"] {
-        assert!(
-            warnings(&brick(Ccx, &format!("*BOUNDARY, {source}\n5,1\n"))).contains("the values are not in the deck")
-        );
+    for source in ["USER", "SUBMODEL, STEP=1"] {
+        // Neither of the two values of 5:1 contradicts the other, in any order.
+        for cards in ["5,1\n*BOUNDARY\n5,1,1,2.\n", "6,1\n*BOUNDARY\n5,1,1,2.\n*BOUNDARY,USER\n5,1\n"] {
+            let read = brick(Ccx, &format!("*BOUNDARY, {source}\n{cards}"));
+            assert!(
+                read.left_out().all(|one| one.text.contains("values that are not in the deck, such as that of ")),
+                "{}",
+                warnings(&read)
+            );
+            assert!((1..=2).contains(&read.left_out().count()) && read.cases()[0].clashes.is_empty());
+        }
     }
+}
+
+/// `FIXED` holds what the step before reaches. This is in the deck if the DOF was prescribed.
+#[test]
+fn fixed_values_are_those_that_the_step_before_reaches() {
+    let read = |model: &str, cards: &[&str]| brick(Ccx, &steps(model, cards));
+    let known = read("", &["*BOUNDARY\n5,1,1,.1\n6,1\n", "*BOUNDARY, FIXED, OP=NEW\n5,1\n6,1\n"]);
+    assert_eq!((cases(&known)[1].clone(), known.left_out().count()), (vec!["5:1=0.1".into(), "6:1=0".into()], 0));
+    let clash = read("", &["*BOUNDARY\n5,1,1,.1\n", "*BOUNDARY, FIXED\n5,1\n*BOUNDARY\n5,1,1,.2\n"]);
+    assert_eq!((clash.cases()[1].clashes.len(), clash.left_out().count()), (1, 0));
+    let course = read(COURSES, &["*BOUNDARY, AMPLITUDE=UP\n5,1,1,.1\n", "*BOUNDARY, FIXED\n5,1\n"]);
+    assert_eq!(cases(&course)[1], ["5:1=0.1 UP at its end"]);
+    let first = read("*BOUNDARY\n6,1,1,.1\n", &["*BOUNDARY, FIXED\n5,1\n6,1\n"]);
+    assert_eq!((cases(&first)[0].clone(), first.left_out().count()), (vec!["5:1=0".into(), "6:1=0".into()], 0));
+    let unknown = read("", &["", "*BOUNDARY, FIXED\n5,1\n*BOUNDARY\n5,1,1,.2\n", "*BOUNDARY, FIXED\n5,1\n"]);
+    assert!(unknown.cases().iter().all(|case| case.clashes.is_empty()));
+    let lines: Vec<u32> = unknown.left_out().map(|one| one.line).collect();
+    assert_eq!(lines.len(), 2, "{}", warnings(&unknown));
+    assert!(warnings(&unknown).contains("values that are not in the deck, such as that of 5:1, count as 0"));
 }
 
 #[test]

@@ -179,10 +179,19 @@ fn values_for_a_part_of_the_time_are_left_out() {
     assert_eq!(
         left_out(&cases),
         [format!(
-            "line {}: *CASE_BEGIN_1 begins cards of one case, which this reader does not follow: left out",
+            "line {}: *CASE_BEGIN_1 begins cards of one case, such as *BOUNDARY_SPC_NODE, which this reader does not follow: left out",
             first_line() + 2
         )]
     );
+    // Cards that this reader does not need leave nothing out.
+    let of_case = |cards: &str| left_out(&cube(&format!("*CASE_BEGIN_1\n{cards}*CASE_END_1\n"))).len();
+    for harmless in ["*CONTROL_TERMINATION\n1.\n", "*LOAD_NODE_SET\n3,1,1\n", "*MAT_ELASTIC\n1,1.,1.\n", "*TITLE\na\n"]
+    {
+        assert_eq!(of_case(harmless), 0, "{harmless}");
+    }
+    for needed in ["*NODE\n30,0.,0.,0.\n", "*SET_NODE_LIST\n30\n1\n", "*PART\n\n9,1,1\n", "*DEFORMABLE_TO_RIGID\n1\n"] {
+        assert_eq!(of_case(&format!("*CONTROL_TERMINATION\n1.\n{needed}")), 1, "{needed}");
+    }
 }
 
 #[test]
@@ -207,6 +216,8 @@ fn options_of_parts() {
     assert_eq!(body("*PART\n\n1,1,5\n"), (24, vec![]));
     assert_eq!(body("*PART_ATTACHMENT_NODES\n\n1,1,5\n3\n"), (24, vec![]));
     assert_eq!(body("*PART_COMPOSITE\n\n2,2,5\n"), (0, vec![]));
+    // These cards name parts and define none.
+    assert_eq!(body("*PART\n\n1,1,5\n*PART_SENSOR\n1,2,1\n*PART_ADAPTIVE_FAILURE\n1,.1\n"), (24, vec![]));
     let why = "*PART_FIELD may define rigid parts in a way that is not understood: left out";
     assert_eq!(body("*PART_FIELD\n\n1,1,5\n"), (0, vec![format!("line {}: {why}", first_line() + 2)]));
 }
@@ -238,9 +249,17 @@ fn parameters_are_followed_or_said() {
     // An expression takes the rest of the line.
     assert_eq!(with("*PARAMETER_EXPRESSION\nR A       -1.25000000000\n"), is("-1.25"));
     assert_eq!(with("*PARAMETER_EXPRESSION\nR A,-1.25000000000\n"), is("-1.25"));
-    assert_eq!(with("*PARAMETER_EXPRESSION\nR A       0.12345678*10\n"), unknown);
-    assert_eq!(with("*PARAMETER_EXPRESSION\nR A       max(2,3)\n"), unknown);
-    assert_eq!(with("*PARAMETER_EXPRESSION\nR A       -1.\n          *2.\n"), unknown);
+    let expression =
+        |text: &str| with(&format!("*PARAMETER\nR B       4.        I N       7\n*PARAMETER_EXPRESSION\n{text}"));
+    assert_eq!(expression("R A       0.12345678*10\n"), is("1.2345678"));
+    assert_eq!(expression("R A       max(2,3)\n"), is("3"));
+    assert_eq!(expression("R A       -1.\n          *2.\n"), is("-2"));
+    assert_eq!(expression("R A       -&B*sqrt(n+2.)\n          /cos(\n          0.)\n"), is("-12"));
+    assert_eq!(expression("R C       B/8\nR A       C\n          +max(1.,\n          b,2.)\n"), is("4.5"));
+    assert_eq!(expression("I A       N/2.\n"), unknown);
+    // Of whole numbers, LS-DYNA may find 3 or 3.5.
+    assert_eq!(expression("R A       N/2\n"), unknown);
+    assert_eq!(expression("R A       2*somewhere\n"), unknown);
     // The third field says what the value names.
     assert_eq!(with("*PARAMETER_TYPE\nI B       3         CA\n*PARAMETER\nR A       -1.\n"), is("-1"));
     // The first of two definitions counts, unless the deck says otherwise.
@@ -255,6 +274,38 @@ fn parameters_are_followed_or_said() {
         assert_eq!(with(&changed), unknown, "{changed}");
     }
     assert_eq!(with(&format!("*PARAMETER_DUPLICATION\n1\n{twice}")).0, is("-1").0);
+    // Expressions of such parameters are not known either.
+    assert_eq!(with("*PARAMETER_MUTABLE\nR B       -1.\n*PARAMETER_EXPRESSION\nR A       2*B\n"), unknown);
+    // The lines below a second definition continue it, and not the first.
+    let second = "*PARAMETER_EXPRESSION\nR A       -1.\n*PARAMETER_EXPRESSION\nR A       3.\n          *2.\n";
+    assert_eq!(with(second), (is("-1").0, 0, 1));
+}
+
+#[test]
+fn parameters_without_a_type_or_a_value_are_not_defined() {
+    let warned = |parameters: &str| {
+        let read =
+            cube(&format!("{parameters}*PARAMETER\nR A       -1.\n*CONSTRAINED_LINEAR_GLOBAL\n1\n1,1,1.\n2,1,&A\n"));
+        let texts: Vec<String> =
+            read.warnings().iter().map(|warning| format!("{}: {}", warning.line, warning.text)).collect();
+        (equations(&read), texts)
+    };
+    let line = first_line() + 1;
+    for (name, card) in [
+        ("`XA`", "*PARAMETER\nXA        5.\n"),
+        ("`R A`", "*PARAMETER\nR A\n"),
+        ("`R`", "*PARAMETER\nR         5.\n"),
+        ("`R A`", "*PARAMETER_EXPRESSION\nR A\n"),
+        ("nothing", "*PARAMETER\n          5.\n"),
+    ] {
+        let why = "has no value, or no type R, I or C before its name: it is not defined, as in LS-DYNA";
+        assert_eq!(
+            warned(card),
+            (vec!["1 1:1 -1 2:1".to_owned()], vec![format!("{line}: the parameter {name} {why}")])
+        );
+    }
+    let used = super::from_text::refused(&format!("{CUBE}*PARAMETER\nR B\n*CONSTRAINED_LINEAR_GLOBAL\n1\n1,1,&B\n"));
+    assert!(used.contains("parameter B is not defined"), "{used}");
 }
 
 #[test]

@@ -164,3 +164,12 @@ fn what_constrains_and_is_not_read_leaves_the_model_incomplete() {
             .contains("JOINTG 7 is a joint of type HINGE of grid points 1, 2")
     );
 }
+
+/// The manual that says so was not available: the predicted stops stay, and the warning says what they depend on.
+#[test]
+fn an_automatic_choice_of_dependent_components_is_said() {
+    let said = |value: &str| warnings(&model(&format!("GRID,1\nPARAM,AUTOMPC,{value}\n")));
+    assert_eq!(said("NO"), [""; 0]);
+    let text = "lets Nastran choose dependent components and drop redundant equations: it may not stop where a stop is predicted";
+    assert_eq!(said("yes"), [format!("line 2: PARAM,AUTOMPC,YES {text}")]);
+}

@@ -27,9 +27,9 @@
 
 mod syntax {
     pub mod archive;
+    pub mod array;
     pub mod command;
     pub mod control;
-    pub mod expression;
     pub mod field;
     pub mod format;
     pub mod known;

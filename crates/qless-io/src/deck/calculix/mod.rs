@@ -10,12 +10,13 @@
 //! | `cards` | equations and prescribed values of each card that constrains |
 //! | `write` | the cleaned deck |
 //!
-//! `reader` reads the cards in order, and passes values, loads and removals from step to step.
+//! `reader` reads the cards in order; `values` passes values and loads from step to step.
 
 mod cards;
 mod model;
 mod reader;
 mod syntax;
+mod values;
 mod write;
 
 pub(super) use reader::read;

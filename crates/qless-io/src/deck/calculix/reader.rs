@@ -1,16 +1,15 @@
-//! Builds the model from the cards of a deck. Each step inherits the values, loads and removals of earlier steps.
-
-use std::collections::BTreeMap;
+//! Builds the model from the cards of a deck. Each step inherits the removals of earlier steps; for its values, see `values`.
 
 use super::cards::body_rotations::{self, ReadBody};
 use super::cards::mean_rotation::{self, MeanRotation};
-use super::cards::{boundary, cyclic, equation, expanded, mpc, old_coupling, refused, rigid, tie, unread};
+use super::cards::{cyclic, equation, expanded, mpc, old_coupling, refused, rigid, tie, unread};
 use crate::deck::calculix::cards::coupling::{self, CouplingCard};
 use crate::deck::calculix::cards::rigid::BodyReference;
 use crate::deck::calculix::model::DeckDefinitions;
-use crate::deck::calculix::syntax::KeywordCard;
 use crate::deck::calculix::syntax::walk::walk;
-use crate::deck::{DeckError, Dof, Load, LoadCase, Model, Prescribed, Problem, Solver, Sources};
+use crate::deck::calculix::syntax::{FieldFault, KeywordCard};
+use crate::deck::calculix::values::StepValues;
+use crate::deck::{DeckError, Model, Problem, Solver, Sources};
 
 /// Reads a deck.
 ///
@@ -19,10 +18,7 @@ use crate::deck::{DeckError, Dof, Load, LoadCase, Model, Prescribed, Problem, So
 pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
     let mut has_mpc = false;
     let mut definitions = DeckDefinitions::read(sources, |card| has_mpc |= mpc::is_nonlinear(card))?;
-    definitions.check_nodes().map_err(|(line, (field, problem))| {
-        let (path, line) = (sources.paths()[line.file as usize].clone(), line.number as usize);
-        DeckError { path, line, card: "*NODE".into(), field, problem }
-    })?;
+    check_fields(&definitions, sources)?;
     // In ccx, some types of `*MPC` make all steps nonlinear.
     definitions.is_nonlinear |= has_mpc && sources.solver() == Solver::Ccx;
     let mut reader = CalculixReader::new(sources, definitions)?;
@@ -33,7 +29,12 @@ pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
         let text = format!("{what}, which this reader does not follow: constraints that depend on it are left out");
         reader.model.leave_out(file, line, text);
     }
-    walk(sources, &mut |card: &KeywordCard| {
+    let parameters = std::mem::take(&mut reader.definitions.parameters);
+    walk(sources, &parameters, &mut |card: &KeywordCard| {
+        for (file, line, name) in parameters.without_value(card) {
+            let text = format!("the value of the parameter {name} is not followed: cards that need it are left out");
+            reader.model.warn(file, line, text);
+        }
         let result = reader.card(card);
         reader.or_left_out(result, card)
     })?;
@@ -44,10 +45,8 @@ struct CalculixReader {
     solver: Solver,
     model: Model,
     definitions: DeckDefinitions,
-    /// The values now in force, each with the step of its card. Step 0 stands for the time before the first step.
-    prescribed: BTreeMap<Dof, (Prescribed, usize)>,
-    clashes: Vec<Prescribed>,
-    loads: Vec<Load>,
+    /// The values in force at the card that is read.
+    values: StepValues,
     removed: Vec<u32>,
     /// The last `*COUPLING` card. The card that follows it decides its type.
     coupling: Option<CouplingCard>,
@@ -62,16 +61,7 @@ struct CalculixReader {
     /// `*CYCLIC SYMMETRY MODEL` cards, and the ties that they may use.
     sectors: Vec<KeywordCard>,
     cyclic: Vec<KeywordCard>,
-    steps: usize,
-    /// Whether a `*BOUNDARY` card has occurred in the current step. Before the first step: whether any has occurred.
-    has_boundary: bool,
-    in_step: bool,
-    /// The values, contradictions and loads that return after a perturbation step.
-    base: Option<BaseState>,
 }
-
-/// Prescribed values with their steps, contradictions and loads.
-type BaseState = (BTreeMap<Dof, (Prescribed, usize)>, Vec<Prescribed>, Vec<Load>);
 
 impl CalculixReader {
     fn new(sources: &Sources, definitions: DeckDefinitions) -> Result<Self, DeckError> {
@@ -82,9 +72,7 @@ impl CalculixReader {
             solver: sources.solver(),
             model,
             definitions,
-            prescribed: BTreeMap::new(),
-            clashes: Vec::new(),
-            loads: Vec::new(),
+            values: StepValues::default(),
             removed: Vec::new(),
             coupling: None,
             open_coupling: None,
@@ -94,10 +82,6 @@ impl CalculixReader {
             couplings: Vec::new(),
             sectors: Vec::new(),
             cyclic: Vec::new(),
-            steps: 0,
-            has_boundary: false,
-            in_step: false,
-            base: None,
         })
     }
 
@@ -123,7 +107,7 @@ impl CalculixReader {
             }
             b"*EQUATION" => {
                 if self.solver == Solver::Ccx {
-                    refused::equation(card, self.steps > 0, &mut self.model);
+                    refused::equation(card, self.values.has_begun(), &mut self.model);
                 }
                 equation::read(card, &mut self.model, &self.definitions)?;
             }
@@ -152,23 +136,27 @@ impl CalculixReader {
             }
             b"*TIE" if card.parameter("CYCLICSYMMETRY").is_some() => self.cyclic.push(card.clone()),
             b"*TIE" => tie::read(card, &mut self.model, &self.definitions, self.solver)?,
-            b"*BOUNDARY" => self.boundary(card)?,
-            b"*CLOAD" => self.load(card)?,
+            b"*BOUNDARY" => self.values.boundary(card, &mut self.model, &self.definitions)?,
+            b"*CLOAD" => self.values.load(card, &mut self.model, &self.definitions)?,
             b"*STEP" => {
                 self.cyclic_symmetry()?;
-                (self.steps, self.in_step, self.has_boundary) = (self.steps + 1, true, false);
+                self.values.begin_step();
                 if card.parameter("PERTURBATION").is_some() {
-                    self.perturb();
+                    self.values.perturb(self.solver);
                 }
             }
-            b"*ENDSTEP" => self.end_step(),
+            b"*ENDSTEP" => self.model.cases.extend(self.values.end_step(&self.removed)),
             b"*FREQUENCY"
             | b"*BUCKLE"
             | b"*COMPLEXFREQUENCY"
             | b"*MODALDYNAMIC"
             | b"*STEADYSTATEDYNAMICS"
             | b"*RANDOMRESPONSE"
-            | b"*RESPONSESPECTRUM" => self.perturb(),
+            | b"*RESPONSESPECTRUM" => self.values.perturb(self.solver),
+            b"*IMPERFECTION" => {
+                let text = "*IMPERFECTION moves nodes: constraints that need positions are read with those before";
+                self.model.warn(card.file, card.line, text);
+            }
             b"*CYCLICSYMMETRYMODEL" => self.sectors.push(card.clone()),
             _ => unread::read(card, &mut self.model, &self.definitions),
         }
@@ -178,7 +166,7 @@ impl CalculixReader {
     /// Records a mean rotation, so that its slave can be chosen at the end.
     fn note_mean_rotation(&mut self, equation: usize, nodes: Vec<u32>) {
         let dofs = self.model.nth(equation).columns.iter().map(|&j| self.model.dofs[j as usize]);
-        let prescribed = dofs.filter(|dof| self.prescribed.contains_key(dof)).collect();
+        let prescribed = dofs.filter(|dof| self.values.prescribes(*dof)).collect();
         self.mean_rotations.push(MeanRotation { equation, prescribed, nodes });
     }
 
@@ -205,99 +193,6 @@ impl CalculixReader {
             self.forces.push((card.file, card.line, reference));
         }
         Ok(())
-    }
-
-    /// Begins a perturbation step of Abaqus: what is prescribed before stays at its value, so that its perturbation is zero, and loads do not
-    /// act. Later steps continue from the state before.
-    fn perturb(&mut self) {
-        if self.solver != Solver::Abaqus || !self.in_step || self.base.is_some() {
-            return;
-        }
-        let (clashes, loads) = (std::mem::take(&mut self.clashes), std::mem::take(&mut self.loads));
-        self.base = Some((self.prescribed.clone(), clashes, loads));
-        for (given, _) in self.prescribed.values_mut() {
-            (given.value, given.history) = (0.0, 0);
-        }
-    }
-
-    /// Reads `*BOUNDARY`. A value replaces one of an earlier step. Different values in the same step contradict each other.
-    fn boundary(&mut self, card: &KeywordCard) -> Result<(), DeckError> {
-        if card.word("LOADCASE").is_some_and(|case| case != "1") || card.parameter("IMAGINARY").is_some() {
-            let text =
-                "*BOUNDARY of a second load case or of imaginary parts, which this reader does not follow: left out";
-            self.model.leave_out(card.file, card.line, text);
-            return Ok(());
-        }
-        let is_first = !std::mem::replace(&mut self.has_boundary, true);
-        let rate = card.word("TYPE").filter(|kind| self.solver == Solver::Abaqus && kind != "DISPLACEMENT");
-        let rate = rate.map(|kind| kind.to_lowercase());
-        if card.word("OP").as_deref() == Some("NEW") {
-            self.forget(card, is_first);
-        }
-        for given in boundary::read(card, &mut self.model, &self.definitions, rate.as_deref())? {
-            match self.prescribed.get(&given.dof) {
-                Some((before, step)) if *step == self.steps => {
-                    let differs = (before.value, before.history) != (given.value, given.history);
-                    if differs && !is_from_elsewhere(card) {
-                        self.clashes.push(given);
-                    }
-                }
-                _ => {
-                    self.prescribed.insert(given.dof, (given, self.steps));
-                    self.clashes.retain(|clash| clash.dof != given.dof);
-                }
-            }
-        }
-        if rate.is_some() && self.steps > 1 {
-            let text = "*BOUNDARY of a rate starts from the displacements that the step before reaches, which this reader does not follow";
-            self.model.leave_out(card.file, card.line, text);
-        }
-        if is_from_elsewhere(card) {
-            let text = "*BOUNDARY: the values are not in the deck; they are taken as 0, so contradictions among them are not detected";
-            self.model.warn(card.file, card.line, text);
-        }
-        Ok(())
-    }
-
-    /// Executes `OP=NEW`, which removes the values of earlier steps or, before the first step, all values. ccx heeds it only on the first
-    /// `*BOUNDARY` of a step.
-    fn forget(&mut self, card: &KeywordCard, is_first: bool) {
-        if self.solver == Solver::Ccx && !is_first {
-            let text =
-                "*BOUNDARY, OP=NEW is not the first of its step: ccx ignores OP=NEW, so that earlier values remain";
-            self.model.warn(card.file, card.line, text);
-            return;
-        }
-        self.prescribed.retain(|_, (_, step)| *step == self.steps && self.steps > 0);
-        self.clashes.retain(|clash| self.prescribed.contains_key(&clash.dof));
-    }
-
-    fn load(&mut self, card: &KeywordCard) -> Result<(), DeckError> {
-        if card.word("OP").as_deref() == Some("NEW") {
-            self.loads.clear();
-        }
-        self.loads.extend(boundary::loads(card, &mut self.model, &self.definitions)?);
-        Ok(())
-    }
-
-    fn end_step(&mut self) {
-        if std::mem::take(&mut self.in_step) {
-            let case = self.case(format!("step {}", self.steps));
-            self.model.cases.push(case);
-        }
-        if let Some((prescribed, clashes, loads)) = self.base.take() {
-            (self.prescribed, self.clashes, self.loads) = (prescribed, clashes, loads);
-        }
-    }
-
-    fn case(&self, name: String) -> LoadCase {
-        LoadCase {
-            name,
-            prescribed: self.prescribed.values().map(|(given, _)| *given).collect(),
-            clashes: self.clashes.clone(),
-            loads: self.loads.clone(),
-            removed: self.removed.clone(),
-        }
     }
 
     /// Reads the `*CYCLIC SYMMETRY MODEL` cards collected so far. Each belongs to the tie that it names, or else to the only tie.
@@ -328,9 +223,9 @@ impl CalculixReader {
         for card in std::mem::take(&mut self.cyclic) {
             tie::leave_out(&card, "CYCLIC SYMMETRY", &mut self.model, &self.definitions);
         }
-        self.end_step();
+        self.model.cases.extend(self.values.end_step(&self.removed));
         if self.model.cases.is_empty() {
-            let case = self.case("model".into());
+            let case = self.values.case("model".into(), &self.removed);
             self.model.cases.push(case);
         }
         mean_rotation::choose_slaves(&mut self.model, &self.mean_rotations);
@@ -389,9 +284,16 @@ impl CalculixReader {
     }
 }
 
-/// Whether the values of a `*BOUNDARY` card come from another model, a user's routine, or the current displacements.
-fn is_from_elsewhere(card: &KeywordCard) -> bool {
-    ["SUBMODEL", "USER", "FIXED"].iter().any(|source| card.parameter(source).is_some())
+/// Checks the fields of the cards that define nodes, and that generate nodes and elements.
+fn check_fields(definitions: &DeckDefinitions, sources: &Sources) -> Result<(), DeckError> {
+    let error = |card: &str, file: u32, line: u32, (field, problem): FieldFault| {
+        let path = sources.path(file as usize).to_path_buf();
+        Err(DeckError { path, line: line as usize, card: card.into(), field, problem })
+    };
+    if let Some((card, file, line, fault)) = &definitions.wrong {
+        return error(card, *file, *line, fault.clone());
+    }
+    definitions.check_nodes().or_else(|(line, fault)| error("*NODE", line.file, line.number, fault))
 }
 
 /// Gives the nodes of each instance their names in the model, from the instance and their numbers in it.

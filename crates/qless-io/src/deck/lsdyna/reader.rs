@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use super::cards::{GroupMeaning, ReadGroup, body, coupling, prescribed, tie, unread};
 use super::model::bodies::DynaDefinitions;
-use super::model::mesh::{DynaMesh, Gap, has_unknown_option, part_lines};
+use super::model::mesh::{DynaMesh, Gap, has_unknown_option, is_definition, is_part, part_lines};
 use super::syntax::card::{DynaCard, DynaCards};
 use super::syntax::fields::{DynaLine, KeywordFault, Parameters};
 use crate::deck::{DeckError, Dof, LoadCase, Model, Origin, Prescribed, Problem, Sources};
@@ -22,9 +22,14 @@ pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
     for (file, line, text) in &cards.remarks {
         reader.model.warn(*file, *line, text.as_str());
     }
-    for (keyword, file, line, _) in cards.cases.iter().filter(|case| case.3 > 0) {
-        let text = format!("*{keyword} begins cards of one case, which this reader does not follow: left out");
-        reader.model.leave_out(*file, *line, text);
+    for (begin, range) in &cards.cases {
+        if let Some(card) = cards.of_cases[range.clone()].iter().find(|card| matters(card)) {
+            let text = format!(
+                "*{} begins cards of one case, such as *{}, which this reader does not follow: left out",
+                begin.keyword, card.keyword
+            );
+            reader.model.leave_out(begin.file, begin.line, text);
+        }
     }
     cards.all.iter().try_for_each(|card| reader.card(card, &cards.parameters))?;
     Ok(reader.finish())
@@ -87,6 +92,12 @@ fn card_reader(name: &str) -> Option<CardReader> {
     })
 }
 
+/// Whether a card constrains, or defines what constraints may refer to.
+fn matters(card: &DynaCard) -> bool {
+    let (name, _) = card.without(["_ID", "_TITLE"]);
+    card_reader(name).is_some() || unread::reason(&card.keyword).is_some() || is_definition(card)
+}
+
 /// Splits the lines of a card into groups of `count` lines, without the titles. Groups that consist of blank lines are left out.
 fn groups<'a>(card: &'a DynaCard, parameters: &'a Parameters, count: usize) -> impl Iterator<Item = Vec<DynaLine<'a>>> {
     let before = usize::from(["_ID", "_TITLE"].iter().any(|title| card.keyword.ends_with(title)));
@@ -136,7 +147,7 @@ impl LsDynaReader {
 
     fn card(&mut self, card: &DynaCard, parameters: &Parameters) -> Result<(), DeckError> {
         let (name, _) = card.without(["_ID", "_TITLE"]);
-        if name == "PART" || name.starts_with("PART_") {
+        if is_part(name) {
             if has_unknown_option(card) && !name.starts_with("PART_MODES") {
                 let text =
                     format!("*{} may define rigid parts in a way that is not understood: left out", card.keyword);

@@ -5,8 +5,9 @@ use std::borrow::Cow;
 
 use rustc_hash::FxHashMap;
 
+use super::array::ApdlArray;
 use super::command::AnsysCommand;
-use super::expression::{ApdlArray, NameLookup, NoValue, is_first, is_later, value};
+use crate::deck::expression::{NameLookup, NoValue, Operand, function, is_first, is_later, value};
 
 /// The value of a parameter.
 #[derive(Clone, Debug, PartialEq)]
@@ -205,31 +206,31 @@ impl ApdlParameters {
 }
 
 impl NameLookup for ApdlParameters {
-    fn scalar(&self, name: &str) -> Result<f64, NoValue> {
+    const IS_STRICT: bool = false;
+
+    fn scalar(&self, name: &str) -> Result<Operand, NoValue> {
         match self.values.get(name) {
-            Some(ParameterValue::Number(value)) => Ok(*value),
-            Some(ParameterValue::Array(array)) if array.is_known && !array.values[0].is_nan() => Ok(array.values[0]),
+            Some(ParameterValue::Number(value)) => Ok(Operand::real(*value)),
+            Some(ParameterValue::Array(array)) if array.is_known && !array.values[0].is_nan() => {
+                Ok(Operand::real(array.values[0]))
+            }
             Some(ParameterValue::Array(_) | ParameterValue::Unknown | ParameterValue::Table) => Err(NoValue::Unknown),
             Some(ParameterValue::Text(_)) | None => Err(NoValue::NotAnExpression),
         }
     }
 
-    fn call(&self, name: &str, arguments: &[f64]) -> Result<f64, NoValue> {
+    fn call(&self, name: &str, arguments: &[Operand]) -> Result<Operand, NoValue> {
+        let values: Vec<f64> = arguments.iter().map(|argument| argument.value).collect();
         if let Some(ParameterValue::Array(array)) = self.values.get(name) {
-            let value = array.values[array.index(arguments)?];
-            return if array.is_known && !value.is_nan() { Ok(value) } else { Err(NoValue::Unknown) };
+            let value = array.values[array.index(&values)?];
+            return if array.is_known && !value.is_nan() { Ok(Operand::real(value)) } else { Err(NoValue::Unknown) };
         }
         let angle = |x: f64| if self.degrees { x.to_radians() } else { x };
-        match (name, arguments) {
-            ("ABS", [x]) => Ok(x.abs()),
-            ("SQRT", [x]) => Ok(x.sqrt()),
-            ("EXP", [x]) => Ok(x.exp()),
-            ("LOG", [x]) => Ok(x.ln()),
-            ("NINT", [x]) => Ok(x.round()),
-            ("SIN", [x]) => Ok(angle(*x).sin()),
-            ("COS", [x]) => Ok(angle(*x).cos()),
-            ("TAN", [x]) => Ok(angle(*x).tan()),
-            ("MOD", [x, y]) => Ok(x % y),
+        match (name, values.as_slice()) {
+            ("NINT", [x]) => Ok(Operand::real(x.round())),
+            ("MOD", [x, y]) => Ok(Operand::real(x % y)),
+            ("SIN" | "COS" | "TAN", [x]) => function(name, &[Operand::real(angle(*x))]),
+            ("ABS" | "SQRT" | "EXP" | "LOG" | "LOG10" | "SINH" | "COSH" | "TANH", [_]) => function(name, arguments),
             _ => Err(NoValue::Unknown),
         }
     }
@@ -313,6 +314,7 @@ mod tests {
         );
         is(&["B=1", "B=", "X,B,%B%"], &["B", "%B%"]);
         is(&["*AFUN,DEG", "X,ABS(-2),SQRT(9),MOD(7,4),NINT(2*COS(60))"], &["2", "3", "3", "1"]);
+        is(&["X,LOG10(100),7/2,2**-1,TANH(0)"], &["2", "3.5", "0.5", "0"]);
         is(&["*DIM,T,TABLE,3", "D,1,UX,%T%"], &["1", "UX", "%T%"]);
         is(&["TITLE it's (", "X,a-b"], &["a-b"]);
     }

@@ -1,7 +1,9 @@
 //! Reads `*BOUNDARY`, with lines `node or set, first component, last component, value` or with a named support, and `*CLOAD`, with lines
 //! `node or set, component, value`.
 
+use crate::deck::calculix::cards::or_line_left_out;
 use crate::deck::calculix::model::{DeckDefinitions, folded};
+use crate::deck::calculix::syntax::parameters::undefined;
 use crate::deck::calculix::syntax::{DataFields, FieldFault, KeywordCard, Scope, component, number};
 use crate::deck::{DeckError, Dof, Load, Model, Origin, Prescribed, Problem};
 use crate::fault::quote;
@@ -34,8 +36,13 @@ pub fn read(
         let origin = Origin { card: number, line: line.number, lines: 1 };
         let mut fields = DataFields::new(&line);
         let fail = |(field, problem): FieldFault| model.error(origin, field, problem);
-        let dofs = range(card.scope, &mut fields, definitions).map_err(fail)?;
-        let value = fields.real().map_err(fail)?.unwrap_or(0.0);
+        let dofs = range(card.scope, &mut fields, definitions).map_err(fail);
+        let value = fields.real().map(|value| Some(value.unwrap_or(0.0))).map_err(fail);
+        let dofs = or_line_left_out(dofs, line.file, model)?;
+        let Some(value) = or_line_left_out(value, line.file, model)? else {
+            model.claim_left_out(dofs, origin);
+            continue;
+        };
         // A value of zero is the same in every time history.
         let history = if value == 0.0 { 0 } else { history };
         prescribed.extend(dofs.into_iter().map(|dof| Prescribed { dof, value, history, origin }));
@@ -53,7 +60,7 @@ fn history(
     let mut words: Vec<String> = rate.map(str::to_owned).into_iter().collect();
     if let Some(amplitude) = card.word("AMPLITUDE") {
         if !definitions.amplitudes.contains(&amplitude) {
-            return Err(Problem::Undefined { what: "amplitude", name: amplitude });
+            return Err(undefined("amplitude", amplitude));
         }
         words.push(amplitude);
         words.extend(card.parameter("TIMEDELAY").map(|delay| format!("{delay} later")));

@@ -124,7 +124,7 @@ pub fn read(
     if is_kinematic && solver == Solver::Ccx && !couples_nothing(card, solver) {
         let components = components(card, 6).map_err(|problem| place.fail(model, problem))?;
         let nodes = coupling.nodes(definitions).unwrap_or_default();
-        let is_plane = nodes.into_iter().any(|node| definitions.is_plane(node));
+        let is_plane = nodes.into_iter().any(|node| definitions.is_flat(node));
         refused::kinematic(card, &components, (is_plane, coupling.holds_its_reference(definitions)), model);
     }
     let before = model.equations();

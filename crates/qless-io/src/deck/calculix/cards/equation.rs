@@ -3,8 +3,11 @@
 use std::rc::Rc;
 
 use crate::deck::calculix::cards::boundary::range;
+use crate::deck::calculix::cards::or_line_left_out;
 use crate::deck::calculix::model::DeckDefinitions;
-use crate::deck::calculix::syntax::{DataFields, DataLine, FieldFault, KeywordCard, Scope, component, float, number};
+use crate::deck::calculix::syntax::{
+    DataFields, DataLine, DataLines, FieldFault, KeywordCard, Scope, component, float, number,
+};
 use crate::deck::{DeckError, Dof, Model, Origin, Problem};
 use crate::fault::quote;
 
@@ -23,34 +26,83 @@ struct EquationTerm {
     coefficient: f64,
 }
 
-/// Adds the equations of an `*EQUATION` card.
+impl EquationTerm {
+    /// The DOFs of the term, one for each node.
+    fn dofs(&self) -> Vec<Dof> {
+        let nodes = match &self.nodes {
+            TermNodes::One(node) => std::slice::from_ref(node),
+            TermNodes::Set(set) => set.as_slice(),
+        };
+        nodes.iter().map(|&node| Dof { node, component: self.component }).collect()
+    }
+}
+
+/// Adds the equations of an `*EQUATION` card. An equation that needs what this reader does not follow is left out.
 pub fn read(card: &KeywordCard, model: &mut Model, definitions: &DeckDefinitions) -> Result<(), DeckError> {
     let mut lines = card.lines();
     let mut terms: Vec<EquationTerm> = Vec::new();
     while let Some(head) = lines.next() {
-        let number = number_for(head.file, head.number, model);
-        let fail = |model: &Model, line: &DataLine, (field, problem): FieldFault| {
-            model.error(Origin { card: number, line: line.number, lines: 1 }, field, problem)
-        };
-        let mut lines_of_it = 1;
-        let promised = count(&head).map_err(|fault| fail(model, &head, fault))?;
+        let origin = Origin { card: number_for(head.file, head.number, model), line: head.number, lines: 1 };
+        let Some(promised) = promised(&head, origin, model)? else { return Ok(()) };
         terms.clear();
-        while terms.len() < promised {
-            let Some(line) = lines.next() else {
-                let problem = Problem::TooFew { what: "terms", promised, found: terms.len() };
-                return Err(fail(model, &head, (None, problem)));
-            };
-            add_terms(&line, promised, (card.scope, definitions), &mut terms)
-                .map_err(|fault| fail(model, &line, fault))?;
-            // The lines of an equation that continues in another file are counted in the first file only.
-            if line.file == head.file {
-                lines_of_it = (line.number + 1).saturating_sub(head.number);
-            }
+        let gathered = gather(&mut lines, (&head, origin), promised, (card.scope, definitions), &mut terms, model)?;
+        let origin = Origin { lines: gathered.lines, ..origin };
+        if gathered.is_left_out {
+            // Other equations must not have its DOFs as slaves.
+            model.claim_left_out(terms.iter().flat_map(EquationTerm::dofs), origin);
+        } else {
+            push(&terms, origin, model).map_err(|problem| model.error(Origin { lines: 1, ..origin }, None, problem))?;
         }
-        let origin = Origin { card: number, line: head.number, lines: lines_of_it };
-        push(&terms, origin, model).map_err(|problem| fail(model, &head, (None, problem)))?;
     }
     Ok(())
+}
+
+/// The number of terms that the first line of an equation promises. If this reader does not know it, leaves out the rest of the card and
+/// returns `None`.
+fn promised(head: &DataLine, origin: Origin, model: &mut Model) -> Result<Option<usize>, DeckError> {
+    match count(head) {
+        Err((_, problem @ Problem::NotFollowed { .. })) => {
+            let text = format!("*EQUATION constrains, but {problem}: left out, with the rest of the card");
+            model.leave_out(head.file, head.number, text);
+            Ok(None)
+        }
+        other => other.map(Some).map_err(|(field, problem)| model.error(origin, field, problem)),
+    }
+}
+
+/// What the lines of an equation gave beside its terms: their number in the file of the first one, and whether a line was left out.
+struct GatheredLines {
+    lines: u32,
+    is_left_out: bool,
+}
+
+/// Reads the lines of an equation until it has all promised terms. Terms of a line that is left out count, and are not in `terms`.
+fn gather(
+    lines: &mut DataLines,
+    (head, origin): (&DataLine, Origin),
+    promised: usize,
+    names: (Scope, &DeckDefinitions),
+    terms: &mut Vec<EquationTerm>,
+    model: &mut Model,
+) -> Result<GatheredLines, DeckError> {
+    let (mut found, mut gathered) = (0, GatheredLines { lines: 1, is_left_out: false });
+    while found < promised {
+        let Some(line) = lines.next() else {
+            return Err(model.error(origin, None, Problem::TooFew { what: "terms", promised, found }));
+        };
+        let known = terms.len();
+        let added = add_terms(&line, promised - found, names, terms).map(|()| Some(terms.len() - known));
+        let at = Origin { line: line.number, ..origin };
+        let added = added.map_err(|(field, problem)| model.error(at, field, problem));
+        let added = or_line_left_out(added, line.file, model)?;
+        gathered.is_left_out |= added.is_none();
+        found += added.unwrap_or_else(|| line.fields().count().div_ceil(3));
+        // The lines of an equation that continues in another file are counted in the first file only.
+        if line.file == head.file {
+            gathered.lines = (line.number + 1).saturating_sub(head.number);
+        }
+    }
+    Ok(gathered)
 }
 
 /// The number of the card for the equations of this line. Consecutive `*EQUATION` cards of a file share one number, to save memory.
@@ -76,16 +128,17 @@ fn count(head: &DataLine) -> Result<usize, FieldFault> {
     Ok(terms as usize)
 }
 
-/// Reads the terms on a line. An error if the equation then has more terms than promised.
+/// Reads the terms on a line. An error if there are more than `most`.
 fn add_terms(
     line: &DataLine,
-    promised: usize,
+    most: usize,
     names: (Scope, &DeckDefinitions),
     terms: &mut Vec<EquationTerm>,
 ) -> Result<(), FieldFault> {
     let mut fields = line.fields().enumerate().map(|(k, field)| (k + 1, field));
+    let most = terms.len() + most;
     while let Some((at, field)) = fields.next() {
-        if terms.len() == promised {
+        if terms.len() == most {
             let expected = "no more terms than promised";
             return Err((Some(at), Problem::Expected { expected, found: quote(field) }));
         }

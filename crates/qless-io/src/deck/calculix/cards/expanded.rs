@@ -66,7 +66,7 @@ fn why(dof: Dof, model: &Model, card: u32, definitions: &DeckDefinitions) -> Opt
         Some(ROTATION)
     } else if !definitions.expanded_at(dof.node).is_empty() && (name == "*MPC" || name == mean_rotation::NAME) {
         Some(MPC)
-    } else if dof.component == 3 && definitions.is_plane(dof.node) && name == "*EQUATION" {
+    } else if dof.component == 3 && definitions.is_flat(dof.node) && name == "*EQUATION" {
         Some(THIRD)
     } else {
         None

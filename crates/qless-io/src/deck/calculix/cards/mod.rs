@@ -20,6 +20,21 @@ use crate::deck::calculix::syntax::{KeywordCard, Scope};
 use crate::deck::kinematics::vector::{Vector, dot};
 use crate::deck::{DeckError, Dof, Model, Origin, Problem};
 
+/// Leaves out a line of a card that needs what this reader does not follow; the other lines of the card count. All other errors stay.
+pub fn or_line_left_out<T: Default>(
+    result: Result<T, DeckError>,
+    file: u32,
+    model: &mut Model,
+) -> Result<T, DeckError> {
+    match result {
+        Err(DeckError { problem: problem @ Problem::NotFollowed { .. }, line, card, .. }) => {
+            model.leave_out(file, line as u32, format!("{card} constrains, but {problem}: left out"));
+            Ok(T::default())
+        }
+        other => other,
+    }
+}
+
 /// An equation: its terms, slave first, and its right-hand side.
 pub struct CardEquation {
     pub terms: Vec<(Dof, f64)>,

@@ -76,6 +76,12 @@ pub fn read(
             }
         };
         let before = model.equations();
+        if let Err(problem @ Problem::NotFollowed { .. }) = rows {
+            let text = format!("*MPC of type {kind} constrains {} nodes, but {problem}: left out", nodes.len());
+            model.leave_out(card.file, card.line, text);
+            claim(&place, model, definitions, nodes.iter().copied());
+            continue;
+        }
         place.push(model, rows)?;
         if kind == MEAN_ROTATION {
             rotations.push((before, mean_rotation::nodes(&nodes).map_err(|problem| place.fail(model, problem))?.0));
@@ -201,8 +207,8 @@ fn beam(definitions: &DeckDefinitions, a: u32, b: u32, solver: Solver) -> Result
     if solver != Solver::Abaqus && !(rotates && definitions.rotates(b)) {
         return Ok(vec![distance(definitions, a, b)?]);
     }
-    let components = &[1, 2, 3, 4, 5, 6][..if rotates { 6 } else { 3 }];
-    kinematic(definitions, BodyReference::with_rotations(b), std::iter::once(a), components, None)
+    let components = definitions.components(a, rotates);
+    kinematic(definitions, BodyReference::with_rotations(b), std::iter::once(a), &components, None)
 }
 
 fn distance(definitions: &DeckDefinitions, a: u32, b: u32) -> Result<CardEquation, Problem> {

@@ -138,12 +138,8 @@ impl RigidBodyCard<'_> {
         let is_own = |node: u32| node == reference.node || node == reference.rotation.node;
         let mut rows = Vec::new();
         for (node, rotates) in nodes.into_iter().filter(|(node, _)| !is_own(*node)) {
-            let components: &[u8] = match (rotates, self.definitions.is_plane(node)) {
-                (true, _) => &[1, 2, 3, 4, 5, 6],
-                (false, false) => &[1, 2, 3],
-                (false, true) => &[1, 2],
-            };
-            rows.extend(kinematic(self.definitions, reference, std::iter::once(node), components, None)?);
+            let components = self.definitions.components(node, rotates);
+            rows.extend(kinematic(self.definitions, reference, std::iter::once(node), &components, None)?);
         }
         Ok(rows)
     }
@@ -254,8 +250,12 @@ pub fn kinematic(
         let mut slaves = Vec::with_capacity(6);
         for &component in components {
             let row = match usize::from(component) - 1 {
+                // Abaqus ignores the component; ccx stops.
+                2 if definitions.is_abaqus && definitions.is_flat(node) => continue,
                 k @ 0..3 => reference.follows(definitions, node, along[k])?,
-                k if definitions.rotates(node) => reference.rotates_with(definitions, node, about[k - 3])?,
+                k if definitions.rotates_about(node, component) => {
+                    reference.rotates_with(definitions, node, about[k - 3])?
+                }
                 _ => continue,
             };
             let row = row.led_by_none_of(&slaves);

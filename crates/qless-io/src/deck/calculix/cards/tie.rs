@@ -168,7 +168,7 @@ pub fn rows(
         let gradients: Vec<(u32, Vector)> = std::iter::once((node, axis)).chain(others).collect();
         CardEquation::along(definitions, &gradients, 0.0)
     };
-    let components = if definitions.is_plane(node) { 2 } else { 3 };
+    let components = if definitions.is_flat(node) { 2 } else { 3 };
     definitions.axes(node)?.into_iter().take(components).map(row).collect()
 }
 
@@ -189,5 +189,6 @@ pub fn rotations(
         }
         Ok(CardEquation { terms, rhs: 0.0 })
     };
-    definitions.axes(node)?.into_iter().enumerate().map(row).collect()
+    let axes = definitions.axes(node)?.into_iter().enumerate();
+    axes.filter(|(k, _)| definitions.rotates_about(node, *k as u8 + 4)).map(row).collect()
 }

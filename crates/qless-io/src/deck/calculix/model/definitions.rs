@@ -9,14 +9,16 @@ use crate::deck::calculix::model::instances::{Instance, InstanceMotion, NodeNumb
 use crate::deck::calculix::model::{
     AxesCard, ElementDefinition, Generation, LocalAxes, ScopedName, SetMembers, SetPart, SetTable, SurfaceCard, axes,
 };
+use crate::deck::calculix::syntax::parameters::DeckParameters;
 use crate::deck::calculix::syntax::walk::walk;
 use crate::deck::calculix::syntax::{
-    DataFields, DataLine, DataLines, DataPiece, FieldFault, KeywordCard, Scope, float, number,
+    DataFields, DataLine, DataLines, DataPiece, FieldFault, KeywordCard, Scope, float, number, unless_not_followed,
 };
 use crate::deck::kinematics::axes::{BASIC_AXES, Frame};
 use crate::deck::kinematics::body::Pose;
 use crate::deck::kinematics::body::Poses;
 use crate::deck::kinematics::vector::Vector;
+use crate::deck::source::SolverReason;
 use crate::deck::{DeckError, Problem, Solver, Sources};
 
 /// The definitions of a deck: nodes, sets, elements and so on. They are kept as text until they are needed.
@@ -29,6 +31,9 @@ pub struct DeckDefinitions {
     pub(super) generation: Generation,
     /// File and line of definitions that this reader does not follow, with what they do.
     pub not_followed: Vec<(u32, u32, &'static str)>,
+    /// The first wrong field of a card that generates nodes or elements: the card, file and line, and the fault.
+    pub wrong: Option<(&'static str, u32, u32, FieldFault)>,
+    pub parameters: DeckParameters,
     /// Whether the deck is read for Abaqus, and not for ccx.
     pub is_abaqus: bool,
     pub sets: SetTable,
@@ -60,22 +65,49 @@ pub struct DeckDefinitions {
 }
 
 /// Cards that Abaqus knows and ccx does not, and that change what other cards mean.
-const ONLY_ABAQUS: [&str; 8] = ["*INSTANCE", "*SYSTEM", "*NGEN", "*NCOPY", "*NFILL", "*NMAP", "*ELGEN", "*ELCOPY"];
+const ONLY_ABAQUS: [&str; 10] =
+    ["*INSTANCE", "*SYSTEM", "*NGEN", "*NCOPY", "*NFILL", "*NMAP", "*ELGEN", "*ELCOPY", "*IMPERFECTION", "*PARAMETER"];
 
 impl DeckDefinitions {
     /// Reads the definitions of a deck, and calls `also` for each card. A deck with cards that only Abaqus knows is one of Abaqus.
     pub fn read(sources: &mut Sources, mut also: impl FnMut(&KeywordCard)) -> Result<Self, DeckError> {
-        let mut definitions = Self::default();
-        walk(sources, &mut |card: &KeywordCard| {
-            definitions.note(card);
+        let mut parameters = DeckParameters::default();
+        let mut define = |card: &KeywordCard| {
+            if card.is("*PARAMETER") {
+                parameters.define(card);
+            }
             also(card);
-            Ok(())
-        })?;
+        };
+        let (mut definitions, mut reason) = Self::noted(sources, &DeckParameters::default(), &mut define)?;
+        if !parameters.is_empty() {
+            // A parameter has one value in all of the deck: the cards are read again with the values of all parameters.
+            (definitions, reason) = Self::noted(sources, &parameters, &mut also)?;
+        }
         if definitions.is_abaqus {
-            sources.set_solver(Solver::Abaqus);
+            sources.set_solver(Solver::Abaqus, reason);
         }
         definitions.is_abaqus = sources.solver() == Solver::Abaqus;
+        definitions.parameters = parameters;
         Ok(definitions)
+    }
+
+    /// Reads the definitions with these parameters. Returns them, and the first card that only Abaqus knows.
+    fn noted(
+        sources: &mut Sources,
+        parameters: &DeckParameters,
+        also: &mut dyn FnMut(&KeywordCard),
+    ) -> Result<(Self, Option<SolverReason>), DeckError> {
+        let (mut definitions, mut reason) = (Self::default(), None);
+        walk(sources, parameters, &mut |card: &KeywordCard| {
+            definitions.note(card);
+            also(card);
+            if definitions.is_abaqus && reason.is_none() {
+                let keyword = String::from_utf8_lossy(&card.keyword);
+                reason = Some((card.file, card.line, format!("only Abaqus knows this {keyword}")));
+            }
+            Ok(())
+        })?;
+        Ok((definitions, reason))
     }
 
     /// Records what a card defines.
@@ -106,12 +138,7 @@ impl DeckDefinitions {
                 };
                 self.sets.of_elements.entry(key("ELSET")).or_default().push(SetPart::from_card(card, part));
             }
-            b"*ELEMENT" => self.blocks.push(ElementDefinition {
-                scope: card.scope,
-                kind: card.word("TYPE").unwrap_or_default(),
-                set: card.word("ELSET"),
-                data: card.data.clone(),
-            }),
+            b"*ELEMENT" => self.elements_of_card(card),
             b"*SURFACE" => {
                 let of_nodes = card.word("TYPE").as_deref() == Some("NODE");
                 let patch = SurfaceCard { scope: card.scope, of_nodes, data: card.data.clone() };
@@ -146,6 +173,15 @@ impl DeckDefinitions {
             }
             _ => {}
         }
+    }
+
+    fn elements_of_card(&mut self, card: &KeywordCard) {
+        let kind = card.word("TYPE").unwrap_or_default();
+        if card.has_parameters() || kind.contains('<') {
+            self.not_followed.push((card.file, card.line, "*ELEMENT has a parameter whose value is not known"));
+        }
+        let (scope, data) = (card.scope, card.data.clone());
+        self.blocks.push(ElementDefinition { scope, kind, set: card.word("ELSET"), data });
     }
 
     fn instance(&mut self, card: &KeywordCard) {
@@ -201,7 +237,8 @@ impl DeckDefinitions {
         for line in self.nodes.iter().chain(&self.unplaced).flat_map(|pieces| DataLines::new(pieces)) {
             let mut fields = DataFields::new(&line);
             let read = number(fields.next().unwrap_or_default(), "a node").map_err(|problem| (Some(1), problem));
-            read.and_then(|_| (0..3).try_for_each(|_| fields.real().map(drop))).map_err(|fault| (line, fault))?;
+            let read = read.and_then(|_| (0..3).try_for_each(|_| fields.real().map(drop)));
+            read.or_else(unless_not_followed).map_err(|fault| (line, fault))?;
         }
         Ok(())
     }

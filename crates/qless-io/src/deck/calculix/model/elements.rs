@@ -14,7 +14,35 @@ pub struct ElementShape {
     family: ElementFamily,
     /// Whether the nodes have rotational DOFs.
     pub rotates: bool,
+    /// Whether the nodes move in the plane of the first two axes only: components 1, 2 and, if they rotate, 6.
+    pub is_flat: bool,
 }
+
+/// Beams, pipes and trusses in the plane of the first two axes, and in space, with the number of their nodes.
+const BARS: [(&str, usize); 19] = [
+    ("B21", 2),
+    ("B22", 3),
+    ("B23", 2),
+    ("PIPE21", 2),
+    ("PIPE22", 3),
+    ("FRAME2D", 2),
+    ("T2D2", 2),
+    ("T2D3", 3),
+    ("B31", 2),
+    ("B32", 3),
+    ("B33", 2),
+    ("PIPE31", 2),
+    ("PIPE32", 3),
+    ("ELBOW31", 2),
+    ("ELBOW32", 3),
+    ("FRAME3D", 2),
+    ("T3D2", 2),
+    ("T3D3", 3),
+    ("FRAME", 2),
+];
+
+/// How many of [`BARS`] are flat: the first ones.
+const FLAT_BARS: usize = 8;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ElementFamily {
@@ -57,33 +85,31 @@ impl ElementShape {
     pub fn from_type(kind: &str) -> Self {
         let digits = |text: &str| text.chars().take_while(char::is_ascii_digit).collect::<String>().parse().ok();
         let starts = |prefix: &str| kind.strip_prefix(prefix).map(digits);
-        let (family, nodes, rotates) = if let Some(nodes) =
-            ["C3D", "F3D", "DC3D", "SC", "CSS"].into_iter().find_map(starts)
-        {
-            let family = match nodes {
-                Some(8 | 20) => ElementFamily::Hexahedron,
-                Some(4 | 10) => ElementFamily::Tetrahedron,
-                Some(6 | 15) => ElementFamily::Wedge,
-                _ => ElementFamily::Other,
+        let (family, nodes, rotates) =
+            if let Some(nodes) = ["C3D", "F3D", "DC3D", "SC", "CSS"].into_iter().find_map(starts) {
+                let family = match nodes {
+                    Some(8 | 20) => ElementFamily::Hexahedron,
+                    Some(4 | 10) => ElementFamily::Tetrahedron,
+                    Some(6 | 15) => ElementFamily::Wedge,
+                    _ => ElementFamily::Other,
+                };
+                (family, nodes, false)
+            } else if let Some(nodes) = starts("CPS").or_else(|| starts("CPE")).or_else(|| starts("CAX")) {
+                (ElementFamily::Plane, nodes, false)
+            } else if let Some(nodes) = starts("M3D").or_else(|| starts("SFM3D")) {
+                (ElementFamily::Shell, nodes, false)
+            } else if let Some(nodes) = starts("S").filter(|_| !kind.starts_with("SPRING")) {
+                (ElementFamily::Shell, nodes, true)
+            } else {
+                let is_beam = ["B", "PIPE", "ELBOW", "FRAME"].iter().any(|beam| kind.starts_with(beam));
+                let is_bar = is_beam || ["T2D", "T3D"].iter().any(|truss| kind.starts_with(truss));
+                let nodes = BARS.iter().find(|(bar, _)| kind.starts_with(bar)).map(|(_, nodes)| *nodes);
+                (if is_bar { ElementFamily::Bar } else { ElementFamily::Other }, nodes, is_beam)
             };
-            (family, nodes, false)
-        } else if let Some(nodes) = starts("CPS").or_else(|| starts("CPE")).or_else(|| starts("CAX")) {
-            (ElementFamily::Plane, nodes, false)
-        } else if let Some(nodes) = starts("M3D").or_else(|| starts("SFM3D")) {
-            (ElementFamily::Shell, nodes, false)
-        } else if let Some(nodes) = starts("S").filter(|_| !kind.starts_with("SPRING")) {
-            (ElementFamily::Shell, nodes, true)
-        } else {
-            let is_beam = ["B", "PIPE", "ELBOW", "FRAME"].iter().any(|beam| kind.starts_with(beam));
-            let is_bar = is_beam || ["T2D", "T3D"].iter().any(|truss| kind.starts_with(truss));
-            let nodes = match kind {
-                _ if ["B31", "T3D2", "PIPE31", "ELBOW31", "FRAME"].iter().any(|two| kind.starts_with(two)) => Some(2),
-                _ if ["B32", "T3D3", "PIPE32", "ELBOW32"].iter().any(|three| kind.starts_with(three)) => Some(3),
-                _ => None,
-            };
-            (if is_bar { ElementFamily::Bar } else { ElementFamily::Other }, nodes, is_beam)
-        };
-        Self { nodes, family, rotates }
+        let is_flat = family == ElementFamily::Plane
+            || kind.starts_with("SAX")
+            || BARS[..FLAT_BARS].iter().any(|(bar, _)| kind.starts_with(bar));
+        Self { nodes, family, rotates, is_flat }
     }
 
     /// Whether the element is plane, so that its faces are lines.

@@ -7,6 +7,7 @@ use rustc_hash::FxHashMap;
 
 use crate::deck::Problem;
 use crate::deck::calculix::model::{AxesCard, AxesKind, DeckDefinitions, LocalAxes};
+use crate::deck::calculix::syntax::parameters::undefined;
 use crate::deck::calculix::syntax::{self, DataLines, Scope, float, number};
 use crate::deck::kinematics::axes::{BASIC_AXES, Frame, FrameKind};
 use crate::deck::kinematics::vector::{Vector, cross, minus, unit};
@@ -34,7 +35,7 @@ impl DeckDefinitions {
         let name = syntax::fold_name(name);
         match self.find(&self.orientations, scope, &name) {
             Some((_, axes)) => self.placed_axes(axes),
-            None => Err(Problem::Undefined { what: "orientation", name }),
+            None => Err(undefined("orientation", name)),
         }
     }
 

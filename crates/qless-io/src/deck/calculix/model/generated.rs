@@ -13,7 +13,9 @@ use std::sync::Arc;
 
 use crate::deck::calculix::model::frames::along;
 use crate::deck::calculix::model::{DeckDefinitions, ElementDefinition, Generation, SetMembers, SetPart};
-use crate::deck::calculix::syntax::{DataLine, DataLines, DataPiece, KeywordCard, Scope, float, number};
+use crate::deck::calculix::syntax::{
+    DataFields, DataLine, DataLines, DataPiece, KeywordCard, Scope, float, number, unless_not_followed,
+};
 use crate::deck::kinematics::axes::{Frame, FrameKind};
 use crate::deck::kinematics::vector::{Vector, minus, plus, scaled};
 
@@ -29,8 +31,10 @@ impl DeckDefinitions {
             b"C" => system.map(|system| Frame { kind: FrameKind::Cylindrical, ..system }),
             _ => None,
         };
+        let has_parameters = card.has_parameters();
+        self.generation.has_unknown_nodes |= has_parameters;
         let pieces = card.data.iter();
-        match frame {
+        match frame.filter(|_| !has_parameters) {
             Some(Frame::BASIC) => self.list(card.scope, pieces.cloned().collect(), true),
             Some(frame) => self.list(card.scope, pieces.map(|piece| in_global(piece, &frame)).collect(), true),
             None => self.list(card.scope, pieces.cloned().collect(), false),
@@ -46,6 +50,7 @@ impl DeckDefinitions {
 
     /// Records `*SYSTEM`. The frame is unknown if a point is missing or is no point.
     pub fn system(&mut self, card: &KeywordCard) {
+        self.check_numbers("*SYSTEM", card, 6);
         let found = frame(card);
         if found.is_none() {
             self.not_followed.push((card.file, card.line, "*SYSTEM has a point that is none, or points on one line"));
@@ -55,6 +60,7 @@ impl DeckDefinitions {
 
     /// Records `*NGEN, NSET=`, with lines `first, last, increment`. Only nodes on a straight line have positions.
     pub fn generate_nodes(&mut self, card: &KeywordCard) {
+        self.check_numbers("*NGEN", card, 3);
         for line in card.lines() {
             let (mut text, mut placed) = (String::new(), String::new());
             if self.generated_nodes(card, &line, &mut text, &mut placed).is_none() {
@@ -108,6 +114,7 @@ impl DeckDefinitions {
     /// Records `*ELGEN, ELSET=`, with lines `element, count, nodes, elements, rows, nodes, elements, layers, nodes, elements`: the number of
     /// copies in a row, of rows and of layers, each with its increments of node and element numbers.
     pub fn generate_elements(&mut self, card: &KeywordCard) {
+        self.check_numbers("*ELGEN", card, 10);
         for line in card.lines() {
             let counts = whole_numbers(&line, [0, 1, 1, 1, 1, 0, 0, 1, 0, 0]);
             let block = counts.and_then(|counts| self.copies(card, counts));
@@ -122,6 +129,17 @@ impl DeckDefinitions {
             };
             if let Some(set) = card.word("ELSET") {
                 self.sets.of_elements.entry((card.scope, set)).or_default().push(SetPart::from_card(card, members));
+            }
+        }
+    }
+
+    /// Records the first field that is no number, among the first `count` fields of each line.
+    fn check_numbers(&mut self, name: &'static str, card: &KeywordCard, count: usize) {
+        for line in card.lines() {
+            let mut fields = DataFields::new(&line);
+            let result = (0..count).try_for_each(|_| fields.real().map(drop));
+            if let Err(fault) = result.or_else(unless_not_followed) {
+                self.wrong.get_or_insert((name, line.file, line.number, fault));
             }
         }
     }

@@ -5,6 +5,7 @@ use rustc_hash::FxHashMap;
 use crate::deck::Problem;
 use crate::deck::calculix::model::elements::{ElementShape, MeshElements};
 use crate::deck::calculix::model::{DeckDefinitions, ElementDefinition, folded};
+use crate::deck::calculix::syntax::parameters::undefined;
 use crate::deck::calculix::syntax::{DataLines, Scope, fold_name, number};
 use crate::fault::quote;
 
@@ -37,9 +38,26 @@ impl DeckDefinitions {
         self.expanded_at(node).iter().any(|shape| shape.rotates)
     }
 
-    /// Whether a node belongs to a plane element, and so has no third component.
-    pub fn is_plane(&self, node: u32) -> bool {
-        self.expanded_at(node).iter().any(ElementShape::is_plane)
+    /// Whether a node belongs to a plane element or to a beam or truss in the plane, and so has no third component.
+    pub fn is_flat(&self, node: u32) -> bool {
+        self.expanded_at(node).iter().any(|shape| self.is_flat_shape(shape))
+    }
+
+    /// ccx takes beams and trusses in the plane as those in space.
+    fn is_flat_shape(&self, shape: &ElementShape) -> bool {
+        shape.is_plane() || self.is_abaqus && shape.is_flat
+    }
+
+    /// Whether the nodes of an element at this node have the rotation `component`, from 4 to 6. In the plane, this is 6.
+    pub fn rotates_about(&self, node: u32, component: u8) -> bool {
+        self.expanded_at(node).iter().any(|shape| shape.rotates && (component == 6 || !self.is_flat_shape(shape)))
+    }
+
+    /// The components of a node: two or three translations, and the rotations that it has if `rotates`.
+    pub fn components(&self, node: u32, rotates: bool) -> Vec<u8> {
+        let last = if self.is_flat(node) { 2 } else { 3 };
+        let rotations = (4..=6).filter(|&component| rotates && self.rotates_about(node, component));
+        (1..=last).chain(rotations).collect()
     }
 
     /// Shapes of those elements at a node that ccx expands into solids. All elements with rotations are among them.
@@ -90,7 +108,7 @@ impl DeckSurface {
     pub fn find(definitions: &DeckDefinitions, scope: Scope, surface: &str) -> Result<Self, Problem> {
         let surface = fold_name(surface);
         let Some((_, patches)) = definitions.find(&definitions.surfaces, scope, &surface) else {
-            return Err(Problem::Undefined { what: "surface", name: surface });
+            return Err(undefined("surface", surface));
         };
         let mut found = Self::default();
         for patch in patches {

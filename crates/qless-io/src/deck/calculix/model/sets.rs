@@ -6,6 +6,7 @@ use rustc_hash::FxHashSet;
 
 use crate::deck::Problem;
 use crate::deck::calculix::model::{DeckDefinitions, ParsedSet, SetMembers, SetPart, folded};
+use crate::deck::calculix::syntax::parameters::undefined;
 use crate::deck::calculix::syntax::{DataLines, Scope, fold_name, number};
 use crate::deck::limits::MEMBERS;
 use crate::fault::quote;
@@ -95,7 +96,7 @@ impl DeckDefinitions {
         let named = if of_elements { self.find(&self.elements()?.by_set, scope, set) } else { None };
         let key = match (&parts, &named) {
             (Some((key, _)), _) | (None, Some((key, _))) => (of_elements, key.clone()),
-            (None, None) => return Err(Problem::Undefined { what, name: set.to_owned() }),
+            (None, None) => return Err(undefined(what, set.to_owned())),
         };
         match self.sets.known.borrow().get(&key) {
             Some(ParsedSet::Done(members)) => return Ok(Rc::clone(members)),

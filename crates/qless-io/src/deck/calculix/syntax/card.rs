@@ -50,6 +50,11 @@ impl KeywordCard {
         Self { scope, ..self.clone() }
     }
 
+    /// Whether the data have a parameter `<name>` without a known value.
+    pub fn has_parameters(&self) -> bool {
+        self.data.iter().any(|piece| memchr::memchr(b'<', &piece.text[piece.range.clone()]).is_some())
+    }
+
     /// Lines of data, without comments and blank lines.
     pub fn lines(&self) -> DataLines<'_> {
         DataLines::new(&self.data)

@@ -1,7 +1,8 @@
-//! Syntax of decks: the modules read keyword cards (`card`, `walk`, `assembly`), and this file reads lines of data and their fields.
+//! Syntax of decks: the modules read keyword cards (`card`, `walk`, `assembly`, `parameters`), and this file reads lines of data and their fields.
 
 pub mod assembly;
 pub mod card;
+pub mod parameters;
 pub mod walk;
 
 pub use card::{KeywordCard, Scope};
@@ -84,6 +85,11 @@ pub fn fold_name(text: &str) -> String {
 /// A wrong field: its number, from 1, and the problem.
 pub type FieldFault = (Option<usize>, Problem);
 
+/// The fault of a field, unless this reader does not follow the field.
+pub fn unless_not_followed(fault: FieldFault) -> Result<(), FieldFault> {
+    if matches!(fault.1, Problem::NotFollowed { .. }) { Ok(()) } else { Err(fault) }
+}
+
 /// Fields of a line, read one by one.
 pub struct DataFields<'a> {
     rest: Box<dyn Iterator<Item = &'a [u8]> + 'a>,
@@ -123,14 +129,16 @@ impl<'a> DataFields<'a> {
 pub fn number(field: &[u8], expected: &'static str) -> Result<u32, Problem> {
     whole(field)
         .and_then(|value| u32::try_from(value).ok())
-        .ok_or_else(|| Problem::Expected { expected, found: quote(field) })
+        .ok_or_else(|| parameters::unknown(field).unwrap_or(Problem::Expected { expected, found: quote(field) }))
 }
 
 /// Converts a field to a float. An underflow gives zero, as in the solvers.
 pub fn float(field: &[u8]) -> Result<f64, Problem> {
     match real(field) {
         Err(NumberFault::Underflow) => Ok(0.0),
-        other => other.map_err(|fault| Problem::Number { found: quote(field), fault }),
+        other => other.map_err(|fault| {
+            parameters::unknown(field).unwrap_or_else(|| Problem::Number { found: quote(field), fault })
+        }),
     }
 }
 

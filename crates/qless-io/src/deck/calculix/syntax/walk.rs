@@ -4,14 +4,15 @@ use std::sync::Arc;
 
 use crate::bytes::LINE;
 use crate::deck::calculix::syntax::assembly::AssemblyExpansion;
+use crate::deck::calculix::syntax::parameters::DeckParameters;
 use crate::deck::calculix::syntax::{DataPiece, KeywordCard, card::Visit};
 use crate::deck::{DeckError, Problem, Sources};
 
 /// Cards whose data may be in another file, which `INPUT=` names.
 const WITH_INPUT: [&str; 7] = ["*NODE", "*ELEMENT", "*NSET", "*ELSET", "*SURFACE", "*EQUATION", "*BOUNDARY"];
 
-/// Visits every card in order. Cards of an Abaqus part are visited once for each of its instances.
-pub fn walk(sources: &mut Sources, visit: Visit) -> Result<(), DeckError> {
+/// Visits every card in order, with the values of parameters. Cards of an Abaqus part are visited once for each of its instances.
+pub fn walk(sources: &mut Sources, parameters: &DeckParameters, visit: Visit) -> Result<(), DeckError> {
     let paths = sources.paths().to_vec();
     let mut parts = AssemblyExpansion::default();
     let mut expand = |card: &KeywordCard| {
@@ -19,7 +20,7 @@ pub fn walk(sources: &mut Sources, visit: Visit) -> Result<(), DeckError> {
         parts.card(card, visit).map_err(|stop| stop.at(card, path))
     };
     let mut card = KeywordCard::default();
-    walk_file(sources, (0, 0), &mut card, &mut expand)?;
+    walk_file(sources, parameters, (0, 0), &mut card, &mut expand)?;
     finish(&mut card, &mut expand)
 }
 
@@ -37,6 +38,7 @@ fn finish(card: &mut KeywordCard, visit: Visit) -> Result<(), DeckError> {
 /// because its data may continue in the including file.
 fn walk_file(
     sources: &mut Sources,
+    parameters: &DeckParameters,
     (file, depth): (usize, usize),
     card: &mut KeywordCard,
     visit: Visit,
@@ -48,7 +50,11 @@ fn walk_file(
         let end = next_keyword(&text, at);
         if end > at {
             let lines = memchr::memchr_iter(b'\n', &text[at..end]).count();
-            card.data.push(DataPiece { file: file as u32, line: line as u32, range: at..end, text: Arc::clone(&text) });
+            let (range, text) = match parameters.replaced(&text[at..end]) {
+                Some(new) => (0..new.len(), Arc::new(new)),
+                None => (at..end, Arc::clone(&text)),
+            };
+            card.data.push(DataPiece { file: file as u32, line: line as u32, range, text });
             (at, line) = (end, line + lines);
             continue;
         }
@@ -63,13 +69,14 @@ fn walk_file(
             card_input(keyword)
         } else {
             finish(card, visit)?;
-            card.begin(keyword, file, line);
+            let replaced = parameters.replaced(keyword);
+            card.begin(replaced.as_deref().unwrap_or(keyword), file, line);
             let input = card.parameter("INPUT").filter(|_| WITH_INPUT.iter().any(|with| card.is(with)));
             input.map(str::to_owned)
         };
         if let Some(name) = included {
             let inner = sources.include(&name, file, line, depth)?;
-            walk_file(sources, (inner, depth + 1), card, visit)?;
+            walk_file(sources, parameters, (inner, depth + 1), card, visit)?;
         }
         (at, line) = (end, line + lines);
     }

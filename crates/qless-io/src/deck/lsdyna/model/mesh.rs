@@ -87,13 +87,11 @@ impl DynaMesh {
                 Ok(())
             }
             _ if name.starts_with("ELEMENT_") => self.elements(card, lines),
-            _ if name == "PART" || name.starts_with("PART_") => {
-                part_lines(card, parameters)?.into_iter().try_for_each(|(line, inertia)| {
-                    let centre = inertia.map(|line| self.centre(&line)).transpose()?;
-                    self.parts.insert(line.id(0)?, DynaPart { material: line.id(2)?, centre });
-                    Ok(())
-                })
-            }
+            _ if is_part(name) => part_lines(card, parameters)?.into_iter().try_for_each(|(line, inertia)| {
+                let centre = inertia.map(|line| self.centre(&line)).transpose()?;
+                self.parts.insert(line.id(0)?, DynaPart { material: line.id(2)?, centre });
+                Ok(())
+            }),
             _ => name.strip_prefix("SET_").map_or(Ok(()), |set| self.set(set, &mut lines)),
         }
     }
@@ -109,14 +107,8 @@ impl DynaMesh {
     /// Records the elements of one card. Options add lines to each element. If an option is unknown, the nodes of parts are not known any
     /// more.
     fn elements<'a>(&mut self, card: &DynaCard, lines: impl Iterator<Item = DynaLine<'a>>) -> Result<(), KeywordFault> {
-        let mut words = card.keyword.split('_').skip(1);
-        let kind = match words.next() {
-            Some("SOLID" | "TSHELL") => ElementKind::Solid,
-            Some("SHELL") => ElementKind::Shell,
-            Some("BEAM") => ElementKind::Beam,
-            _ => return Ok(()),
-        };
-        let options: Vec<&str> = words.collect();
+        let Some(kind) = element_kind(card) else { return Ok(()) };
+        let options: Vec<&str> = card.keyword.split('_').skip(2).collect();
         let Some(more) = options.iter().map(|option| option_lines(kind, option)).sum::<Option<usize>>() else {
             self.unread_elements = Some(format!("*{}", card.keyword));
             return Ok(());
@@ -143,9 +135,7 @@ impl DynaMesh {
     }
 
     fn set(&mut self, name: &str, lines: &mut dyn Iterator<Item = DynaLine<'_>>) -> Result<(), KeywordFault> {
-        let kinds = [("NODE", SetKind::Node), ("PART", SetKind::Part), ("SEGMENT", SetKind::Segment)];
-        let kind = kinds.into_iter().find(|(word, _)| name.split('_').next() == Some(word));
-        let (Some((word, kind)), Some(first)) = (kind, lines.next()) else { return Ok(()) };
+        let (Some((word, kind)), Some(first)) = (set_kind(name), lines.next()) else { return Ok(()) };
         let members = self.sets.entry((kind, first.id(0)?)).or_insert(Ok(Vec::new()));
         match (name[word.len()..].as_ref(), members) {
             ("" | "_LIST", Ok(members)) => {
@@ -230,6 +220,37 @@ impl Poses for DynaMesh {
         let undefined = || Problem::Undefined { what: "node", name: node.to_string() };
         self.nodes.get(&node).map(|&position| Pose { position, axes: BASIC_AXES }).ok_or_else(undefined)
     }
+}
+
+/// Whether a card defines nodes, elements, parts, rigid materials or sets to which constraints may refer.
+pub fn is_definition(card: &DynaCard) -> bool {
+    let (name, _) = card.without(["_TITLE"]);
+    matches!(name, "NODE" | "MAT_RIGID" | "MAT_020")
+        || element_kind(card).is_some()
+        || is_part(name)
+        || name.strip_prefix("SET_").is_some_and(|set| set_kind(set).is_some())
+}
+
+/// The kind of the elements that a card defines; `None` for other cards, and for elements whose nodes no constraint needs.
+fn element_kind(card: &DynaCard) -> Option<ElementKind> {
+    match card.keyword.strip_prefix("ELEMENT_")?.split('_').next()? {
+        "SOLID" | "TSHELL" => Some(ElementKind::Solid),
+        "SHELL" => Some(ElementKind::Shell),
+        "BEAM" => Some(ElementKind::Beam),
+        _ => None,
+    }
+}
+
+/// The kind of a set by the keyword after `SET_`, with its word there.
+fn set_kind(name: &str) -> Option<(&'static str, SetKind)> {
+    let kinds = [("NODE", SetKind::Node), ("PART", SetKind::Part), ("SEGMENT", SetKind::Segment)];
+    kinds.into_iter().find(|(word, _)| name.split('_').next() == Some(word))
+}
+
+/// Whether cards with this keyword, without its title, define parts. `*PART_SENSOR` switches elements of a part on and off, and
+/// `*PART_ADAPTIVE_FAILURE` lets one part split: both name a part that another card defines.
+pub fn is_part(name: &str) -> bool {
+    name == "PART" || name.starts_with("PART_") && !["PART_SENSOR", "PART_ADAPTIVE_FAILURE"].contains(&name)
 }
 
 /// The number of lines that an option adds to an element; `None` if the option is unknown.

@@ -7,7 +7,9 @@ use rustc_hash::FxHashSet;
 
 use super::fields::{DynaLine, FieldLayout, FieldWidth, Parameters};
 use crate::bytes::LINE;
+use crate::deck::expression::{self, NameLookup, NoValue, Operand};
 use crate::deck::{DeckError, Problem, Sources};
+use crate::fault::quote;
 use crate::number::real;
 
 /// A card. `data` is the range of its lines in the text of the file.
@@ -65,8 +67,10 @@ pub struct DynaCards {
     replaces: bool,
     /// Warnings about parameters: file, line and text.
     pub remarks: Vec<(u32, u32, String)>,
-    /// The `*CASE_BEGIN` cards: keyword, file, line, and number of cards up to `*CASE_END`. These cards are not in `all`.
-    pub cases: Vec<(String, u32, u32, usize)>,
+    /// The `*CASE_BEGIN` cards, with the places in `of_cases` of the cards up to `*CASE_END`.
+    pub cases: Vec<(DynaCard, std::ops::Range<usize>)>,
+    /// The cards of single cases. They are not in `all`.
+    pub of_cases: Vec<DynaCard>,
     /// Places in `cases` of those that are open.
     open_cases: Vec<usize>,
     /// The folders that `*INCLUDE_PATH` names.
@@ -136,11 +140,14 @@ impl DynaCards {
                 name if name == "PARAMETER" || name.starts_with("PARAMETER_") => self.parameters(&card),
                 name if name.starts_with("CASE_BEGIN") => {
                     self.open_cases.push(self.cases.len());
-                    self.cases.push((card.keyword, card.file, card.line, 0));
+                    self.cases.push((card, self.of_cases.len()..self.of_cases.len()));
                 }
                 name if name.starts_with("CASE_END") => drop(self.open_cases.pop()),
-                _ if !self.open_cases.is_empty() => self.open_cases.iter().for_each(|&case| self.cases[case].3 += 1),
-                _ => self.all.push(card),
+                _ if self.open_cases.is_empty() => self.all.push(card),
+                _ => {
+                    self.of_cases.push(card);
+                    self.open_cases.iter().for_each(|&case| self.cases[case].1.end = self.of_cases.len());
+                }
             }
             line += memchr::memchr_iter(b'\n', &text[at..next]).count();
             at = next;
@@ -148,35 +155,34 @@ impl DynaCards {
         Ok(())
     }
 
-    /// Reads `*PARAMETER`: pairs of a name and a value; the first letter of a name gives the type. In `*PARAMETER_EXPRESSION`, which has one
-    /// name on a line, only expressions that are numbers have a known value.
+    /// Reads `*PARAMETER`: pairs of a name and a value, and `*PARAMETER_EXPRESSION`, which has one name on a line.
     fn parameters(&mut self, card: &DynaCard) {
         let none = Parameters::default();
-        let mut last = Vec::new();
-        for line in card.filled(&none) {
-            if card.keyword.contains("_EXPRESSION") {
-                let (name, text) = line.split_first();
-                if name.trim_ascii().is_empty() {
-                    // The line continues the expression of the last name.
-                    self.parameters.insert(last.clone(), None);
-                } else {
-                    last = name.get(1..).unwrap_or_default().trim_ascii().to_ascii_uppercase();
-                    self.define(card, &line, name, Some(text).filter(|text| real(text).is_ok()));
-                }
-                continue;
+        if card.keyword.contains("_EXPRESSION") {
+            for (line, field, text) in expressions(card, &none) {
+                self.define(card, &line, field, text.trim_ascii());
             }
-            // In `*PARAMETER_TYPE`, a third field says what the value names.
-            for pair in 0..if card.keyword.contains("_TYPE") { 1 } else { 4 } {
-                self.define(card, &line, line.field(2 * pair), Some(line.field(2 * pair + 1)));
+            return;
+        }
+        // In `*PARAMETER_TYPE`, a third field says what the value names.
+        let pairs = if card.keyword.contains("_TYPE") { 1 } else { 4 };
+        for (line, pair) in card.filled(&none).flat_map(|line| (0..pairs).map(move |pair| (line, pair))) {
+            let (field, value) = (line.field(2 * pair), line.field(2 * pair + 1));
+            if !(field.is_empty() && value.is_empty()) {
+                self.define(card, &line, field, value);
             }
         }
     }
 
-    /// Defines a parameter. Of two definitions the first counts. The value is not known if the second may count, or not for all cards.
-    fn define(&mut self, card: &DynaCard, line: &DynaLine, field: &[u8], value: Option<&[u8]>) {
-        let [_, name @ ..] = field else { return };
-        let name = name.trim_ascii().to_ascii_uppercase();
-        let value = value.filter(|_| self.open_cases.is_empty()).map(<[u8]>::to_vec);
+    /// Defines a parameter; the first letter of the field gives its type. Without it, or without a value, nothing is defined. Of two
+    /// definitions the first counts. The value is not known if the second may count, or not for all cards.
+    fn define(&mut self, card: &DynaCard, line: &DynaLine, field: &[u8], text: &[u8]) {
+        let Some((kind, name)) = typed_name(field).filter(|_| !text.is_empty()) else {
+            let shown = quote(field);
+            let why = "has no value, or no type R, I or C before its name: it is not defined, as in LS-DYNA";
+            return self.remarks.push((card.file, line.number, format!("the parameter {shown} {why}")));
+        };
+        let value = if self.open_cases.is_empty() { self.known_text(card, kind, text) } else { None };
         if self.replaces || ["_LOCAL", "_MUTABLE"].iter().any(|option| card.keyword.contains(option)) {
             self.changing.insert(name.clone());
         }
@@ -192,6 +198,61 @@ impl DynaCards {
             None => drop(self.parameters.insert(name, value)),
         }
     }
+
+    /// The text of a parameter of this type: the text itself, or the value of an expression; `None` if the value is not known. Numbers of
+    /// type R have a decimal point, because expressions distinguish them from whole numbers.
+    fn known_text(&self, card: &DynaCard, kind: u8, text: &[u8]) -> Option<Vec<u8>> {
+        let is_expression = card.keyword.contains("_EXPRESSION") && real(text).is_err();
+        let number = if is_expression { Some(self.value_of(text)?) } else { real(text).ok() };
+        match number {
+            Some(number) if kind == b'R' => Some(format!("{number:?}").into_bytes()),
+            Some(number) if is_expression => (number.fract() == 0.0).then(|| format!("{number}").into_bytes()),
+            _ => Some(text.to_vec()),
+        }
+    }
+
+    /// The value of an expression. Names in it may have an ampersand.
+    fn value_of(&self, text: &[u8]) -> Option<f64> {
+        let text: Vec<u8> = text.iter().copied().filter(|byte| *byte != b'&').collect();
+        expression::value(&text, self).ok()
+    }
+}
+
+impl NameLookup for DynaCards {
+    const IS_STRICT: bool = true;
+
+    fn scalar(&self, name: &str) -> Result<Operand, NoValue> {
+        let text = match self.parameters.get(name.as_bytes()) {
+            None if name == "PI" => return Ok(Operand::real(std::f64::consts::PI)),
+            None => return Err(NoValue::NotAnExpression),
+            Some(text) => text.as_ref().filter(|_| !self.changing.contains(name.as_bytes())).ok_or(NoValue::Unknown)?,
+        };
+        let value = real(text).map_err(|_| NoValue::Unknown)?;
+        Ok(Operand { value, is_whole: !text.contains(&b'.') })
+    }
+
+    fn call(&self, name: &str, arguments: &[Operand]) -> Result<Operand, NoValue> {
+        expression::function(name, arguments)
+    }
+}
+
+/// The type and the name, in capitals, of a parameter: `R thick` or `Rthick`. `None` if the field has no type or no name.
+fn typed_name(field: &[u8]) -> Option<(u8, Vec<u8>)> {
+    let (kind, name) = field.split_first()?;
+    let (kind, name) = (kind.to_ascii_uppercase(), name.trim_ascii());
+    (matches!(kind, b'R' | b'I' | b'C') && !name.is_empty()).then(|| (kind, name.to_ascii_uppercase()))
+}
+
+/// The expressions of `*PARAMETER_EXPRESSION`: the line and the field of each name, and its text. A line without a name continues the text.
+fn expressions<'a>(card: &'a DynaCard, none: &'a Parameters) -> Vec<(DynaLine<'a>, &'a [u8], Vec<u8>)> {
+    let mut found: Vec<(DynaLine, &[u8], Vec<u8>)> = Vec::new();
+    for line in card.filled(none) {
+        match (line.split_first(), found.last_mut()) {
+            ((b"", text), Some((_, _, open))) => open.extend(text),
+            ((field, text), _) => found.push((line, field, text.to_vec())),
+        }
+    }
+    found
 }
 
 /// The byte at which the next line that begins with a star starts, at or after `from`. `from` must be the start of a line.

@@ -92,14 +92,19 @@ impl<'a> DynaLine<'a> {
     }
 
     /// The text of the first field, and all of the line after it. A comma ends the first field only if no blank or parenthesis is before it.
+    /// If the columns of the first field are blank, so is the field.
     pub fn split_first(&self) -> (&'a [u8], &'a [u8]) {
+        let width = self.layout.place(1, self.width).0;
+        if self.text.get(..width).is_some_and(|first| first.trim_ascii().is_empty()) {
+            return (b"", self.text.trim_ascii());
+        }
         let ends_name = |comma: &usize| {
             let name = self.text[..*comma].trim_ascii().get(1..).unwrap_or_default().trim_ascii();
             !name.iter().any(|byte| byte.is_ascii_whitespace() || *byte == b'(')
         };
         let (first, rest) = match memchr::memchr(b',', self.text).filter(ends_name) {
             Some(comma) => (&self.text[..comma], &self.text[comma + 1..]),
-            None => self.text.split_at(self.layout.place(1, self.width).0.min(self.text.len())),
+            None => self.text.split_at(width.min(self.text.len())),
         };
         (first.trim_ascii(), rest.trim_ascii())
     }

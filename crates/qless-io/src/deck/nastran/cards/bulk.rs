@@ -22,6 +22,9 @@ use crate::deck::nastran::syntax::card::{BulkCard, CardLocation, CardRefusal};
 use crate::deck::nastran::syntax::lines::{DeckLine, FileLine};
 use crate::deck::{CardFault, Solver};
 
+const AUTOMPC: &str = "PARAM,AUTOMPC,YES lets Nastran choose dependent components and drop redundant equations: it may not stop where a stop is \
+                       predicted";
+
 /// The cards of bulk data that matter for constraints.
 #[derive(Debug, Default)]
 pub struct BulkData {
@@ -112,6 +115,9 @@ impl BulkData {
             "PARAM" => {
                 let [name, value] = [0, 1].map(|i| card.field(i).to_ascii_uppercase());
                 self.keeps_dependent |= name == b"AUTOMSET" && value.starts_with(b"N");
+                if name == b"AUTOMPC" && value.starts_with(b"Y") && !self.is_mystran {
+                    self.notes.warn((card.file, card.line), AUTOMPC.into());
+                }
             }
             "LOAD" => loads::combination(card, &mut self.combinations)?,
             "FORCE" => self.loads.push(loads::vector(card, 1)?),
