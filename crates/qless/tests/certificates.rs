@@ -1,7 +1,7 @@
 //! Certificates are right in each DOF's own unit, or say that they are not.
 
 use qless::common::SplitMix64;
-use qless::{BackendChoice, CertificateTerm, ConstraintSystem, Options, SystemBuilder, analyse};
+use qless::{BackendChoice, CertificateTerm, ConstraintSystem, Kind, Options, SystemBuilder, analyse};
 
 /// Between -1.2 and 1.2, not near zero, times `10^-3..6`.
 fn offset(random: &mut SplitMix64) -> f64 {
@@ -87,5 +87,41 @@ fn small_constants_stay_beside_large_ones() {
         assert_eq!(reduction.masters(), [2]);
         let u = reduction.expand(&[0.0], &[]).expect("one master");
         assert!((u[0] - 1e-3).abs() <= 1e-12, "{backend:?}: {u:?}");
+    }
+}
+
+/// `count` equations with whole coefficients, and as many sums of two of them, of which every 500th has a side that is off by one.
+fn sums(count: usize) -> ConstraintSystem {
+    let mut random = SplitMix64::new(3);
+    let mut builder = SystemBuilder::new(count + 8);
+    let rows: Vec<[(usize, f64); 3]> = (0..count)
+        .map(|i| [0, 1, 7].map(|ahead| (i + ahead, (1 + random.next() % 4) as f64)))
+        .inspect(|row| _ = builder.equation(*row, 1.0))
+        .collect();
+    for k in 0..count {
+        let both = rows[k].iter().chain(&rows[(k + 5) % count]);
+        builder.equation(both.copied(), if k % 500 == 0 { 3.0 } else { 2.0 });
+    }
+    builder.build().expect("valid")
+}
+
+/// A block with so many certificates that each is computed when it is read: more than four million coefficients.
+#[test]
+fn certificates_that_are_computed_when_they_are_read() {
+    let count = 2_100;
+    let system = sums(count);
+    for backend in [BackendChoice::Faer, BackendChoice::Sparse] {
+        let options = Options { backend, presolve: false, ..Options::default() };
+        let analysis = analyse(&system, &options).expect("valid");
+        assert_eq!(analysis.rank(), count, "{backend:?}: {:?}", analysis.confidence());
+        assert!(analysis.kinds().iter().filter(|&&kind| kind == Kind::Conflicting).count() >= 5);
+        for d in analysis.dependent().iter().step_by(20) {
+            let because = analysis.because(d.row).expect("in range");
+            let (error, said) = (error_of(&system, d.row, &because), analysis.because_error(d.row).expect("in range"));
+            assert!(error <= 1e-9 || said >= error / 2.0, "{backend:?}, row {}: {error:e}, said {said:e}", d.row);
+            let side: f64 = because.iter().map(|term| term.coefficient * system.rhs()[term.row]).sum();
+            let is_missed = (side - system.rhs()[d.row]).abs() > 1e-6;
+            assert_eq!(analysis.kinds()[d.row] == Kind::Conflicting, is_missed, "{backend:?}, row {}", d.row);
+        }
     }
 }
