@@ -32,8 +32,7 @@ CORD1R,13,1,2,4\n";
 
 const EDGES: [[u32; 2]; 12] =
     [[1, 2], [2, 3], [3, 4], [4, 1], [5, 6], [6, 7], [7, 8], [8, 5], [1, 5], [2, 6], [3, 7], [4, 8]];
-const FACES: [[u32; 4]; 6] =
-    [[1, 2, 3, 4], [5, 6, 7, 8], [1, 2, 6, 5], [2, 3, 7, 6], [3, 4, 8, 7], [4, 1, 5, 8]];
+const FACES: [[u32; 4]; 6] = [[1, 2, 3, 4], [5, 6, 7, 8], [1, 2, 6, 5], [2, 3, 7, 6], [3, 4, 8, 7], [4, 1, 5, 8]];
 const TETRAHEDRA: [[u32; 4]; 5] = [[1, 2, 3, 6], [1, 3, 4, 8], [1, 6, 8, 5], [3, 8, 6, 7], [1, 3, 8, 6]];
 
 /// The elements of a kind, with their property and material.
@@ -44,7 +43,10 @@ pub fn elements(kind: &str) -> String {
         "CROD" => (edges(""), "PROD,1,1,.1,.01\n"),
         "CBUSH" => (edges(",,,,0"), "PBUSH,1,K,10.,20.,30.,4.,5.,6.\n"),
         "CQUAD4" => (listed(kind, FACES.map(|face| face.to_vec()), ""), "PSHELL,1,1,.1,1,,1\n"),
-        "CTRIA3" => (listed(kind, FACES.into_iter().flat_map(|[a, b, c, d]| [vec![a, b, c], vec![a, c, d]]), ""), "PSHELL,1,1,.1,1,,1\n"),
+        "CTRIA3" => (
+            listed(kind, FACES.into_iter().flat_map(|[a, b, c, d]| [vec![a, b, c], vec![a, c, d]]), ""),
+            "PSHELL,1,1,.1,1,,1\n",
+        ),
         "CHEXA" => ("CHEXA,101,1,1,2,3,4,5,6\n,7,8\n".to_owned(), "PSOLID,1,1,,2,,FULL\n"),
         "CPENTA" => (listed(kind, [vec![1, 2, 3, 5, 6, 7], vec![1, 3, 4, 5, 7, 8]], ""), "PSOLID,1,1,,2,,FULL\n"),
         "CTETRA" => (listed(kind, TETRAHEDRA.map(|corners| corners.to_vec()), ""), "PSOLID,1,1,,2,,FULL\n"),

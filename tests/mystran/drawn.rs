@@ -243,7 +243,8 @@ impl DeckDraft {
                 self.cards.push(format!("{name}ADD,{union},{}\n", listed.join(",")));
             }
             if let Some(only) = listed.first() {
-                control += &format!("{name} = {}\n", if is_union { "#" } else { only }).replace('#', &union.to_string());
+                control +=
+                    &format!("{name} = {}\n", if is_union { "#" } else { only }).replace('#', &union.to_string());
             }
         }
         self.rng.shuffle(&mut self.cards);

@@ -11,8 +11,8 @@
 //!
 //! - It uses only the translations of the connected points.
 //! - The rows of rotations lack T_k: the components of a point count as if its axes were those of the reference.
-//! - A row ends before its first term that is not zero and belongs to a component of the reference that REFC lacks. All connected points
-//!   come after these terms, so the row then says that a rotation is zero, or a combination of the reference's own components.
+//! - A row of a rotation may need a component of the reference that REFC lacks. MYSTRAN then drops this term and all that follow it in a list
+//!   which a sort has mixed, so that the other cards of the deck decide what remains. Such an element is not understood here.
 
 use super::body::{CouplingEquation, Pose, Poses, centre_and_size};
 use super::components::Components;
@@ -41,8 +41,8 @@ pub fn mystran_mean(element: &MeanElement, poses: &impl Poses) -> Result<Vec<Cou
     let nodes = element.nodes(poses)?;
     let (_, size) = centre_and_size(nodes.iter().map(|(_, pose)| pose.position));
     let points = points(element, poses)?;
-    let row = |component: u8| CouplingEquation { terms: terms(element, &points, component) };
-    let rows: Vec<CouplingEquation> = element.components.iter().map(row).collect();
+    let row = |component: u8| terms(element, &points, component).map(|terms| CouplingEquation { terms });
+    let rows: Vec<CouplingEquation> = element.components.iter().map(row).collect::<Result<_, _>>()?;
     let own: Vec<Dof> = element.components.iter().map(|c| Dof { node: element.reference, component: c }).collect();
     let undetermined = || CardFault::MeanUndetermined { node: element.reference, component: own[0].component };
     solved_for(&rows, &own, size).map_err(|_| undetermined().into())
@@ -61,24 +61,21 @@ fn points(element: &MeanElement, poses: &impl Poses) -> Result<Vec<ArmPoint>, Pr
     Ok(points)
 }
 
-/// The terms of a row, as far as MYSTRAN reads it. The first one belongs to the component of the row, even if its coefficient is zero.
-fn terms(element: &MeanElement, points: &[ArmPoint], component: u8) -> Vec<(Dof, f64)> {
+/// The terms of a row. The first one belongs to the component of the row, even if its coefficient is zero.
+fn terms(element: &MeanElement, points: &[ArmPoint], component: u8) -> Result<Vec<(Dof, f64)>, CardFault> {
     let axis = usize::from(component - 1) % 3;
     let (own, others) = if component > 3 {
         (rotation(points, axis), moments(points, axis))
     } else {
         (translation(element, points, axis), shares(points, axis))
     };
-    let at = |(component, value): (u8, f64)| (Dof { node: element.reference, component }, value);
-    let mut terms = Vec::new();
-    for (i, term) in own.into_iter().enumerate().filter(|&(i, (_, value))| i == 0 || value.abs() > OMITTED) {
-        if i > 0 && !element.components.contains(term.0) {
-            return terms;
-        }
-        terms.push(at(term));
+    let node = element.reference;
+    let needed = own.iter().skip(1).filter(|(_, value)| value.abs() > OMITTED);
+    if let Some(&(missing, _)) = needed.clone().find(|(needed, _)| !element.components.contains(*needed)) {
+        return Err(CardFault::MeanCut { node, component, missing });
     }
-    terms.extend(others.into_iter().filter(|(_, value)| value.abs() > OMITTED));
-    terms
+    let own = own.first().into_iter().chain(needed).map(|&(component, value)| (Dof { node, component }, value));
+    Ok(own.chain(others.into_iter().filter(|(_, value)| value.abs() > OMITTED)).collect())
 }
 
 fn sum(points: &[ArmPoint], value: impl Fn(&ArmPoint) -> f64) -> f64 {
@@ -108,7 +105,7 @@ fn shares(points: &[ArmPoint], i: usize) -> Vec<(Dof, f64)> {
     points.iter().flat_map(of_point).collect()
 }
 
-/// The coefficients of the reference in the row of a rotation, in the order in which MYSTRAN writes them.
+/// The coefficients of the reference in the row of a rotation.
 fn rotation(points: &[ArmPoint], axis: usize) -> Vec<(u8, f64)> {
     let [j, k] = NEXT[axis];
     let inertia = sum(points, |point| {
@@ -120,10 +117,8 @@ fn rotation(points: &[ArmPoint], axis: usize) -> Vec<(u8, f64)> {
         let third = 3 - axis - other;
         sum(points, |point| point.weights[third] * point.pose.position[axis] * point.pose.position[other])
     };
-    let mut turns = [j, k].map(|other| (other as u8 + 4, -product(other)));
-    let mut shifts = [(j as u8 + 1, -moment(points, k)), (k as u8 + 1, moment(points, j))];
-    turns.sort_by_key(|term| term.0);
-    shifts.sort_by_key(|term| term.0);
+    let turns = [j, k].map(|other| (other as u8 + 4, -product(other)));
+    let shifts = [(j as u8 + 1, -moment(points, k)), (k as u8 + 1, moment(points, j))];
     let own = (axis as u8 + 4, if inertia.abs() > OMITTED { inertia } else { 1.0 });
     std::iter::once(own).chain(turns).chain(shifts).collect()
 }

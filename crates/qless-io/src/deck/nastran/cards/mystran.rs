@@ -25,10 +25,6 @@ pub fn judge(card: &BulkCard, notes: &mut CardNotes) {
     if card.name == "SPC1" && is_word(card, 3, b"THRU") && card.len() > 5 {
         notes.warn(at, format!("MYSTRAN ignores the fields after the range of {}", card.title()));
     }
-    if card.name == "RBE3" && turns_in_part(card) {
-        let text = "MYSTRAN forgets the connected points in rows of rotations that need a component which REFC lacks; name 123456";
-        notes.warn(at, format!("{}: {text}", card.title()));
-    }
 }
 
 fn refusal(card: &BulkCard) -> Option<&'static str> {
@@ -44,12 +40,6 @@ fn refusal(card: &BulkCard) -> Option<&'static str> {
         "SPC" if has_whole(card, [3, 6]) => Some("MYSTRAN stops at a value without a decimal point; add one"),
         _ => None,
     }
-}
-
-/// Whether REFC of an `RBE3` has a rotation, but not all six components.
-fn turns_in_part(card: &BulkCard) -> bool {
-    let refc = card.field(3);
-    refc.iter().any(|digit| b"456".contains(digit)) && (b'1'..=b'6').any(|digit| !refc.contains(&digit))
 }
 
 /// Whether one of these fields, on any line of the card, holds a text without a decimal point.

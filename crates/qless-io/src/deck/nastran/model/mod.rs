@@ -150,7 +150,11 @@ impl NastranModel<'_> {
     /// components is left out.
     fn add(&mut self, element: &NastranElement, place: &CardLocation) -> Result<Option<u32>, DeckError> {
         let equations = match equations(element, self.points) {
-            Err(problem @ Problem::Card(CardFault::MeanUndetermined { .. } | CardFault::UmSingular)) => {
+            Err(
+                problem @ Problem::Card(
+                    CardFault::MeanUndetermined { .. } | CardFault::MeanCut { .. } | CardFault::UmSingular,
+                ),
+            ) => {
                 self.leave_out(element, place, &problem);
                 return Ok(None);
             }
@@ -168,7 +172,7 @@ impl NastranModel<'_> {
     fn leave_out(&mut self, element: &NastranElement, place: &CardLocation, problem: &Problem) {
         let origin = place.origin(self.model);
         self.model.leave_out(place.file, place.line, format!("{} is left out: {problem}", place.name));
-        if self.bulk.is_mystran {
+        if self.bulk.is_mystran && !matches!(problem, Problem::Card(CardFault::MeanCut { .. })) {
             let text = format!("{}: MYSTRAN stops, because its equations are singular: {problem}", place.name);
             self.model.refuse(place.file, place.line, text);
         }
