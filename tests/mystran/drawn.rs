@@ -188,7 +188,7 @@ impl DeckDraft {
     fn rbe3(&mut self) -> String {
         let (node, component) = self.claim();
         let own = component.to_string();
-        let refc = ["123456", "123456", "123", "456", "246", &own][self.rng.below(6)];
+        let refc = ["123456", "123456", "123456", "123", "123", "12", "456", &own][self.rng.below(8)];
         let mut taken = vec![node];
         let nodes: Vec<String> = (0..3 + self.rng.below(4)).map(|_| self.point(&mut taken).to_string()).collect();
         let (first, rest) = nodes.split_at(2);
