@@ -2,7 +2,7 @@
 
 use crate::body::KINDS;
 use crate::drawn::{CARDS, DrawnCard, deck};
-use crate::judged::{DeckOutcome, judge};
+use crate::judged::{DeckEnd, DeckOutcome, judge};
 use crate::solver::program;
 
 /// A deck to draw: its seed, its kind of elements and its pair of cards.
@@ -26,13 +26,13 @@ fn decks_over_all_pairs_of_cards_and_kinds_of_elements() {
     let outcomes: Vec<DeckOutcome> = jobs.iter().map(judged).collect();
     let count = |is_counted: fn(&DeckOutcome) -> bool| outcomes.iter().filter(|outcome| is_counted(outcome)).count();
     let often = [
-        ("refused", count(|outcome| outcome.is_refused)),
+        ("refused", count(|outcome| outcome.end == DeckEnd::Refused)),
         ("dependent", count(|outcome| outcome.is_dependent)),
         ("holding equations", count(|outcome| outcome.held > 0)),
         ("holding values", count(|outcome| outcome.enforced > 0)),
         ("cleaned", count(|outcome| outcome.is_cleaned)),
     ];
-    let left_out = count(|outcome| outcome.is_left_out);
+    let left_out = count(|outcome| outcome.end == DeckEnd::LeftOut);
     println!("{} decks, {left_out} not understood: {often:?}", jobs.len());
     assert!(jobs.len() >= 200);
     for (name, count) in often {

@@ -1,6 +1,7 @@
 //! Draws decks: a body, and constraint cards that may claim each other's DOFs.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write;
 
 use qless_scenes::Rng;
 
@@ -58,7 +59,7 @@ struct DeckDraft {
     held: BTreeMap<u32, String>,
     /// Components that a card makes dependent or prescribes.
     claims: Vec<(u32, usize)>,
-    /// Equations that may be repeated, by card; `#` is the element number.
+    /// Cards that may be repeated; `#` is the element number.
     repeatable: Vec<(DrawnCard, String)>,
     has_axes: bool,
 }
@@ -80,8 +81,7 @@ impl DeckDraft {
 
     fn draw(&mut self, card: DrawnCard) {
         match card {
-            Mpc | MpcUnion | Rbe2 | Rbe3 => self.equation(card),
-            Spc | Enforced => self.spc(card),
+            Mpc | MpcUnion | Rbe2 | Rbe3 | Spc | Enforced => self.new_or_again(card),
             Spc1 => self.spc1(1),
             SpcUnion => self.spc1(3),
             Spcd => {
@@ -138,8 +138,8 @@ impl DeckDraft {
         format!("{:?}", self.rng.coefficient(30) / 8.0)
     }
 
-    /// A new equation, or one in four times a repetition.
-    fn equation(&mut self, card: DrawnCard) {
+    /// A new card; or a repetition, in one of three decks that already have such a card.
+    fn new_or_again(&mut self, card: DrawnCard) {
         let known: Vec<usize> = (0..self.repeatable.len()).filter(|&i| self.repeatable[i].0 == card).collect();
         let text = if !known.is_empty() && self.rng.below(3) == 0 {
             self.repeatable[known[self.rng.below(known.len())]].1.clone()
@@ -147,6 +147,7 @@ impl DeckDraft {
             match card {
                 Rbe2 => self.rbe2(),
                 Rbe3 => self.rbe3(),
+                Spc | Enforced => self.spc(card),
                 _ => self.mpc(if card == Mpc { 20 } else { 21 }),
             }
         };
@@ -158,7 +159,7 @@ impl DeckDraft {
         self.sets[0].insert(set);
         let mut seen = BTreeSet::from([self.claim()]);
         let first = *seen.first().expect("a component");
-        let count = 1 + self.rng.below(3);
+        let count = [0, 1, 1, 2, 2, 2, 3, 3][self.rng.below(8)];
         while seen.len() <= count {
             seen.insert((self.rng.below(POINTS.len()) as u32 + 1, self.rng.below(6) + 1));
         }
@@ -166,7 +167,7 @@ impl DeckDraft {
         let mut text = format!("MPC,{set}");
         for (i, (node, component)) in std::iter::once(first).chain(seen).enumerate() {
             let line = if i > 0 && i % 2 == 0 { "\n," } else { "" };
-            text += &format!("{line},{node},{component},{}", self.coefficient());
+            write!(text, "{line},{node},{component},{}", self.coefficient()).expect("text");
         }
         text + "\n"
     }
@@ -197,16 +198,16 @@ impl DeckDraft {
         format!("RBE3,#,,{node},{refc},.5,{ci},{}\n,{second}{}\n", first.join(","), rest.join(","))
     }
 
-    fn spc(&mut self, card: DrawnCard) {
+    fn spc(&mut self, card: DrawnCard) -> String {
         let set = 1 + self.rng.below(2) as u32;
         self.sets[1].insert(set);
         let mut text = format!("SPC,{set}");
-        for _ in 0..1 + self.rng.below(2) {
+        for _ in 0..=self.rng.below(2) {
             let (node, component) = self.claim();
             let value = if card == Spc { "0." } else { [".01", "-.02", ".05"][self.rng.below(3)] };
-            text += &format!(",{node},{},{value}", self.set_with(component, 1));
+            write!(text, ",{node},{},{value}", self.set_with(component, 1)).expect("text");
         }
-        self.cards.push(text + "\n");
+        text + "\n"
     }
 
     fn spc1(&mut self, set: u32) {
@@ -261,7 +262,7 @@ impl DeckDraft {
             let choices = if [1, 2, 4].contains(&node) { ["", "", "11", "12"] } else { ["", "11", "12", "13"] };
             let axes = if self.has_axes { choices[self.rng.below(4)] } else { "" };
             let held = self.held.get(&node).map_or("", String::as_str);
-            text += &format!("GRID,{node},,{x:?},{y:?},{z:?},{axes},{held}\n");
+            writeln!(text, "GRID,{node},,{x:?},{y:?},{z:?},{axes},{held}").expect("text");
         }
         text
     }

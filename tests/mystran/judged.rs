@@ -11,12 +11,19 @@ use serde_json::Value;
 
 use crate::solver::SolverRun;
 
-/// What happened to a deck.
-#[derive(Default, Debug)]
-pub struct DeckOutcome {
-    pub is_refused: bool,
+/// How the run of a deck ended.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum DeckEnd {
     /// qless left out a card, an `RBE3` of some rotations, and says so.
-    pub is_left_out: bool,
+    LeftOut,
+    Refused,
+    Completed,
+}
+
+/// What happened to a deck.
+#[derive(Debug)]
+pub struct DeckOutcome {
+    pub end: DeckEnd,
     /// Its equations are redundant or conflict.
     pub is_dependent: bool,
     /// The number of equations that hold in the results.
@@ -42,17 +49,17 @@ pub fn judge(program: &Path, text: &str, what: &str) -> DeckOutcome {
     let deck = parsed(text.as_bytes());
     if deck.model().left_out().count() > 0 {
         assert!(!run.completes || refusals.is_empty(), "{what}: {refusals:?}\n{text}");
-        return DeckOutcome { is_left_out: true, ..DeckOutcome::default() };
+        return DeckOutcome { end: DeckEnd::LeftOut, is_dependent: false, held: 0, enforced: 0, is_cleaned: false };
     }
     assert_eq!(run.completes, refusals.is_empty(), "{what}: {:?}, but {refusals:?}\n{text}", run.errors());
     let is_dependent = said["status"] != "independent";
-    let mut outcome = DeckOutcome { is_refused: !run.completes, is_dependent, ..DeckOutcome::default() };
+    let (mut end, mut held, mut enforced) = (DeckEnd::Refused, 0, 0);
     if run.completes {
         assert!(!is_dependent, "{what}: MYSTRAN completes no deck whose equations are dependent\n{text}");
-        (outcome.held, outcome.enforced) = holds(&deck, &run, &format!("{what}\n{text}"));
+        end = DeckEnd::Completed;
+        (held, enforced) = holds(&deck, &run, &format!("{what}\n{text}"));
     }
-    outcome.is_cleaned = is_mended(program, &deck, text, what);
-    outcome
+    DeckOutcome { end, is_dependent, held, enforced, is_cleaned: is_mended(program, &deck, text, what) }
 }
 
 /// The report of `qless check`.
