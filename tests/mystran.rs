@@ -1,23 +1,25 @@
-//! Two cards of a Nastran deck that claim one DOF: the stated behaviour of MYSTRAN against a run of MYSTRAN.
+//! The stated behaviour of MYSTRAN against runs of MYSTRAN: cards that claim one DOF, and drawn decks.
 //!
 //! `scripts/mystran` installs it. If `QLESS_MYSTRAN` is set, it must be installed.
 
-use std::path::{Path, PathBuf};
-use std::process::Command;
+#[path = "mystran/body.rs"]
+mod body;
+#[path = "mystran/decks.rs"]
+mod decks;
+#[path = "mystran/drawn.rs"]
+mod drawn;
+#[path = "mystran/judged.rs"]
+mod judged;
+#[path = "mystran/solver.rs"]
+mod solver;
+
+use std::path::Path;
 
 use qless_io::deck::clean::{self, Finding};
-use qless_io::deck::{Outcome, Solver, parse};
+use qless_io::deck::{Outcome, Solver};
 
-/// The solver in the folder of `scripts/mystran`, if it is installed.
-fn program() -> Option<PathBuf> {
-    let program = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/mystran/mystran");
-    if program.exists() {
-        return Some(program);
-    }
-    assert!(std::env::var_os("QLESS_MYSTRAN").is_none(), "run scripts/mystran");
-    eprintln!("SKIPPED: MYSTRAN is not there; scripts/mystran fetches it");
-    None
-}
+use judged::parsed;
+use solver::{SolverRun, program};
 
 /// Beams 1-2-3-5 and 1-4 with a load, and a place for more cards.
 fn deck(cards: &str) -> String {
@@ -28,17 +30,8 @@ fn deck(cards: &str) -> String {
     format!("SOL 101\nCEND\nSPC = 1\n{select}LOAD = 3\nDISP = ALL\nBEGIN BULK\n{grids}{beams}{rest}{cards}ENDDATA\n")
 }
 
-/// Whether MYSTRAN completes its run; its exit code does not tell.
-fn runs(program: &Path, text: &str) -> bool {
-    let place = tempfile::tempdir().expect("a folder");
-    std::fs::write(place.path().join("deck.bdf"), text).expect("written");
-    let run = Command::new(program).arg("deck.bdf").current_dir(place.path()).output().expect("MYSTRAN runs");
-    String::from_utf8_lossy(&run.stdout).contains("terminated normally")
-}
-
 fn findings(text: &str) -> Vec<Finding> {
-    let mut none = |_: &Path| Err(std::io::ErrorKind::NotFound.into());
-    let deck = parse(Solver::Mystran, Path::new("deck.bdf"), text.as_bytes().to_vec(), &mut none).expect("a deck");
+    let deck = parsed(text.as_bytes());
     clean::findings(deck.model(), &deck.model().cases()[0], Solver::Mystran)
 }
 
@@ -51,7 +44,7 @@ fn judge(program: &Path, cards: &str) -> bool {
         said.iter().all(|finding| !matches!(finding.outcome, Outcome::IgnoresFirst | Outcome::IgnoresSecond)),
         "it drops nothing: {cards}"
     );
-    assert_eq!(runs(program, &text), !is_refused, "{said:?}\n{cards}");
+    assert_eq!(SolverRun::of(program, text.as_bytes()).completes, !is_refused, "{said:?}\n{cards}");
     is_refused
 }
 

@@ -97,6 +97,18 @@ pub enum CardFault {
         /// The component.
         component: u8,
     },
+    /// MYSTRAN drops terms of an equation of a weighted mean.
+    #[error(
+        "MYSTRAN drops terms of the equation of {node}:{component}, which needs {node}:{missing}; write 123456 as REFC"
+    )]
+    MeanCut {
+        /// The reference grid point.
+        node: u32,
+        /// The component of the equation.
+        component: u8,
+        /// The component that the equation needs, and REFC lacks.
+        missing: u8,
+    },
     /// A weighted mean does not determine a component of its reference point.
     #[error(
         "the connected components do not determine {node}:{component}; connect more of them, or remove it from REFC"

@@ -14,7 +14,9 @@ fn mystran(cards: &str) -> Model {
 
 #[test]
 fn cards_that_it_does_not_know_constrain_nothing() {
-    for card in ["RROD,51,2,3,,1", "RJOINT,51,3,4,1", "RTRPLT,51,2,3,4,123456", "RTRPLT1,51,2,3,4,1,1"] {
+    let ignored =
+        ["RROD,51,2,3,,1", "RJOINT,51,3,4,1", "RTRPLT,51,2,3,4,123456", "RTRPLT1,51,2,3,4,1,1", "SPCD,51,2,3,.1"];
+    for card in ignored {
         let model = mystran(card);
         let name = card.split(',').next().expect("a name");
         assert_eq!(warnings(&model), [format!("line 12: MYSTRAN ignores {name} 51: it constrains nothing")]);
@@ -86,6 +88,41 @@ fn a_subcase_goes_on_with_the_set_before() {
     assert_eq!(held(&model(&text)), [(6, 0), (0, 1)]);
 }
 
+#[test]
+fn it_stops_at_cases_of_valid_cards() {
+    let alone =
+        |cards: &str| refusals(&model_for(Solver::Mystran, &format!("CEND\nSPC=1\nMPC=4\nBEGIN BULK\n{GRIDS}{cards}")));
+    let found = alone("MPC,4,3,2,2.,5,2,1.\nMPC,4,5,2,2.,3,2,1.\n");
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert!(found[0].starts_with("line 12: no equation has an independent DOF"), "{found:?}");
+    assert_eq!(alone("MPC,4,3,2,2.,5,2,1.\nMPC,4,5,2,2.,3,2,1.,,\n,,2,2,1.\n"), [""; 0]);
+    let found = alone("MPC,4,3,2,2.,5,2,1.\nSPC,1,2,1,.5\nSPC,1,4,1,.5,2,1,.5\n");
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert!(found[0].starts_with("line 14: SPC 1 enforces 2:1, which line 13 SPC 1 enforces already"), "{found:?}");
+    assert_eq!(alone("MPC,4,3,2,2.,5,2,1.\nSPC,1,2,1,0.\nSPC,1,2,1,0.\n"), [""; 0]);
+    let found = alone("MPC,4,3,2,2.,5,2,1.\nRBE3,51,,3,123456,1.,123,2\n");
+    assert!(found.len() == 1 && found[0].contains("RBE3 51: MYSTRAN stops"), "{found:?}");
+}
+
+/// MYSTRAN prints these rows with `PARAM,PRTRMG,1`.
+#[test]
+fn rows_of_rotations_of_rbe3_ignore_axes_and_need_their_components() {
+    let model = mystran("RBE3,51,,3,6,1.,123,2,4");
+    assert_eq!((model.equations(), model.left_out().count()), (1, 1));
+    assert!(warnings(&model)[0].contains("MYSTRAN drops terms of the equation of 3:6, which needs 3:1"));
+    assert_eq!(refusals(&model), [""; 0]);
+    assert_eq!(equations(&mystran("RBE3,51,,3,126,1.,123,2,4"))[3].split(' ').count(), 10);
+    let turned = |cd: &str| {
+        let grids = GRIDS.replace("GRID,4,,2.,1.", &format!("GRID,4,,2.,1.,,{cd}"));
+        let frame = "CORD2R,7,,0.,0.,0.,0.,0.,1.\n,0.,1.,0.\n";
+        equations(&model_for(Solver::Mystran, &format!("{CONTROL}{grids}{frame}RBE3,51,,3,126,1.,123,2,4\n")))
+    };
+    let [plain, axes] = [turned(""), turned("7")];
+    let has = |equations: &[String], i: usize, word: &str| equations[i].split(' ').any(|found| found == word);
+    assert!(has(&plain, 1, "4:1") && has(&axes, 1, "4:2"));
+    assert_ne!(plain[3], axes[3]);
+}
+
 /// Nodes 2 and 4 about node 3: MYSTRAN's own results show means without lever arms, but for rotations that the reference has.
 #[test]
 fn rbe3_moves_in_the_components_of_its_reference_alone() {
@@ -100,7 +137,7 @@ fn rbe3_moves_in_the_components_of_its_reference_alone() {
     };
     let found = equations(&mystran("RBE3,51,,3,26,1.,123,2,1"));
     let found: Vec<String> = found[1..].iter().map(|text| rounded(text).join(" ")).collect();
-    assert_eq!(found, ["1 3:2 -2 2:2 1 1:2", "1 3:6 -1 2:2 1 1:2"]);
+    assert_eq!(found, ["1 3:2 1 1:2 -2 2:2", "1 3:6 1 1:2 -1 2:2"]);
     let all = |ci: &str| equations(&mystran(&format!("RBE3,51,,5,123456,1.,{ci},2,3\n,4")));
     assert_eq!(all("123456"), all("123"));
 }

@@ -110,7 +110,7 @@ impl ConnectedBody {
 
 impl MeanElement {
     /// The connected grid points with their poses, each once, in the order of the card.
-    fn nodes(&self, poses: &impl Poses) -> Result<Vec<(u32, Pose)>, Problem> {
+    pub(super) fn nodes(&self, poses: &impl Poses) -> Result<Vec<(u32, Pose)>, Problem> {
         let mut seen = FxHashSet::default();
         let nodes = self.groups.iter().flat_map(|group| &group.nodes).filter(|node| seen.insert(**node));
         let nodes: Vec<_> = nodes.map(|&node| poses.pose(node).map(|pose| (node, pose))).collect::<Result<_, _>>()?;
@@ -138,33 +138,6 @@ impl MeanElement {
         }
         Ok(weights)
     }
-}
-
-/// The equations of MYSTRAN's `RBE3`. It takes the mean over motions in the reference's own components only: `u_r = S^-1 sum w_k a_k^T u_k`
-/// with `S = sum w_k a_k^T a_k`, where w_k is the weight of connected component k, and its motion row a_k has only the columns of these
-/// components. If none of them is a rotation, the result is the plain weighted mean: lever arms have no effect.
-pub fn partial_mean(element: &MeanElement, poses: &impl Poses) -> Result<Vec<CouplingEquation>, Problem> {
-    let reference = poses.pose(element.reference)?;
-    let own: Vec<u8> = element.components.iter().collect();
-    let mut connected: Vec<(Dof, Vec<f64>, f64)> = Vec::new();
-    for (dof, weight) in element.weights()? {
-        let row: MotionRow = poses.pose(dof.node)?.relative_to(&reference).row(dof.component, [0.0; 3]);
-        connected.push((dof, own.iter().map(|&component| row[component as usize - 1]).collect(), weight));
-    }
-    let ScaledNormal { factor, scale } = ScaledNormal::new(own.len(), &connected);
-    let equation = |(i, &component): (usize, &u8)| {
-        let mut unit = vec![0.0; own.len()];
-        unit[i] = scale[i];
-        let undetermined = || CardFault::MeanUndetermined { node: element.reference, component };
-        let motion = Some(&factor).filter(|factor| factor.is_regular()).and_then(|factor| factor.solve(&unit));
-        let motion = motion.ok_or_else(undetermined)?;
-        let largest = motion.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-        let motion: Vec<f64> = motion.iter().zip(&scale).map(|(x, d)| clean(*x, largest) * d).collect();
-        let share = |row: &[f64]| row.iter().zip(&motion).map(|(a, x)| a * x).sum::<f64>();
-        let terms = connected.iter().map(|(dof, row, weight)| (*dof, weight * share(row)));
-        Ok(CouplingEquation::new(Dof { node: element.reference, component }, terms))
-    };
-    own.iter().enumerate().map(equation).collect()
 }
 
 /// The factors of `D S D`, where `S = sum w a^T a` over components with weight w and motion row a. D is a diagonal matrix that makes the

@@ -6,6 +6,7 @@ pub mod body;
 pub mod components;
 mod dense;
 pub mod mean;
+pub mod mystran_mean;
 pub mod project;
 pub mod rigid;
 pub mod vector;

@@ -23,8 +23,8 @@ pub enum NastranElement {
     Rigid(RigidElement),
     Rod(RigidRod),
     Mean(MeanElement<PointSpan>),
-    /// An `RBE3` of MYSTRAN: a weighted mean over motions in the given components of the reference only.
-    PartialMean(MeanElement<PointSpan>),
+    /// An `RBE3` of MYSTRAN.
+    MystranMean(MeanElement<PointSpan>),
     /// A rigid coupling of points that must coincide.
     Joint(RigidElement),
 }
@@ -89,7 +89,7 @@ pub fn rrod(card: &BulkCard) -> Result<Expanding, CardRefusal> {
 
 /// Reads `RBE3 id, , REFGRID, REFC, WT1, C1, G1, G2, ..., WT2, C2, ..., UM, GM1, CM1, ..., ALPHA, a`.
 ///
-/// MYSTRAN uses only translations of the connected points. Without a `UM` list, it takes the mean over motions in the components REFC only.
+/// MYSTRAN uses only translations of the connected points. Without a `UM` list, its equations are those of `kinematics/mystran_mean`.
 pub fn rbe3(card: &BulkCard, is_mystran: bool) -> Result<Expanding, CardRefusal> {
     let (reference, components) = (card.id(2, POINT)?, card.some_components(3)?);
     let fields = filled(card, 4);
@@ -102,9 +102,9 @@ pub fn rbe3(card: &BulkCard, is_mystran: bool) -> Result<Expanding, CardRefusal>
     if is_mystran {
         groups.iter_mut().for_each(|group| group.components = group.components.and(Components::TRANSLATIONS));
     }
-    let is_partial = is_mystran && components != Components::ALL && dependent.is_empty();
+    let is_own = is_mystran && dependent.is_empty();
     let element = MeanElement { reference, components, groups, dependent };
-    Ok((if is_partial { NastranElement::PartialMean(element) } else { NastranElement::Mean(element) }, alpha))
+    Ok((if is_own { NastranElement::MystranMean(element) } else { NastranElement::Mean(element) }, alpha))
 }
 
 /// Reads the groups of `RBE3`: weight, components and grid points. A real number is the weight of the next group.

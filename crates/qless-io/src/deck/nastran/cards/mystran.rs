@@ -7,7 +7,7 @@ use crate::number::whole;
 
 /// Whether MYSTRAN ignores cards of this name, although they constrain in Nastran.
 pub fn ignores(name: &str) -> bool {
-    matches!(name, "RROD" | "RJOINT" | "RTRPLT" | "RTRPLT1")
+    matches!(name, "RROD" | "RJOINT" | "RTRPLT" | "RTRPLT1" | "SPCD")
 }
 
 /// Whether the element number is blank, zero or negative, which MYSTRAN accepts.

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::NastranModel;
 use super::points::{PointKind, Points, limited};
+use super::stops::refuse_second_values;
 use crate::deck::nastran::cards::sets::PointSupport;
 use crate::deck::nastran::control::selected::CaseSets;
 use crate::deck::nastran::syntax::card::CardLocation;
@@ -16,6 +17,10 @@ impl NastranModel<'_> {
         for (_, support, place) in self.bulk.supports.iter().filter(|(set, ..)| sets.spc.contains(set)) {
             all.extend(self.prescribed(support, 1.0, place)?);
             limited(all.len()).map_err(|problem| place.error(problem, self.model))?;
+        }
+        all.sort_by_key(|prescribed| prescribed.dof);
+        if self.bulk.is_mystran {
+            refuse_second_values(&all, self.model);
         }
         let (mut prescribed, mut clashes) = split_clashes(all);
         let enforced = self.enforced(sets)?;
@@ -118,9 +123,8 @@ fn refuse_unknown(support: &PointSupport, place: &CardLocation, points: &Points,
     }
 }
 
-/// Splits values into the first value of each DOF, ascending by DOF, and the later values that contradict it.
-fn split_clashes(mut all: Vec<Prescribed>) -> (Vec<Prescribed>, Vec<Prescribed>) {
-    all.sort_by_key(|prescribed| prescribed.dof);
+/// Splits values, ascending by DOF, into the first value of each DOF and the later values that contradict it.
+fn split_clashes(all: Vec<Prescribed>) -> (Vec<Prescribed>, Vec<Prescribed>) {
     let mut first: Vec<Prescribed> = Vec::with_capacity(all.len());
     let mut clashes = Vec::new();
     for next in all {

@@ -5,6 +5,7 @@ mod cases;
 mod exclusive;
 mod frames;
 mod points;
+mod stops;
 mod warnings;
 
 use std::collections::{BTreeSet, HashMap};
@@ -19,7 +20,7 @@ use super::reader::{NastranContent, read};
 use super::syntax::card::CardLocation;
 use crate::deck::kinematics::body::{CouplingEquation, Poses};
 use crate::deck::kinematics::components::Components;
-use crate::deck::kinematics::mean::partial_mean;
+use crate::deck::kinematics::mystran_mean::mystran_mean;
 use crate::deck::kinematics::rigid::RigidElement;
 use crate::deck::kinematics::vector::minus;
 use crate::deck::{CardFault, Deck, DeckError, Dof, Model, Problem, Sources};
@@ -55,6 +56,9 @@ pub fn build(mut content: NastranContent, sources: &Sources) -> Result<Model, De
         let case = building.case(name, sets, &sets_of)?;
         prescribed += case.prescribed.len();
         limited(prescribed).map_err(|problem| too_many(building.model, problem))?;
+        if building.bulk.is_mystran {
+            stops::refuse_without_masters(&case, building.model);
+        }
         building.model.cases.push(case);
     }
     exclusive::claim(&content.bulk.exclusive, &points, &mut model)?;
@@ -146,7 +150,11 @@ impl NastranModel<'_> {
     /// components is left out.
     fn add(&mut self, element: &NastranElement, place: &CardLocation) -> Result<Option<u32>, DeckError> {
         let equations = match equations(element, self.points) {
-            Err(problem @ Problem::Card(CardFault::MeanUndetermined { .. } | CardFault::UmSingular)) => {
+            Err(
+                problem @ Problem::Card(
+                    CardFault::MeanUndetermined { .. } | CardFault::MeanCut { .. } | CardFault::UmSingular,
+                ),
+            ) => {
                 self.leave_out(element, place, &problem);
                 return Ok(None);
             }
@@ -164,7 +172,11 @@ impl NastranModel<'_> {
     fn leave_out(&mut self, element: &NastranElement, place: &CardLocation, problem: &Problem) {
         let origin = place.origin(self.model);
         self.model.leave_out(place.file, place.line, format!("{} is left out: {problem}", place.name));
-        let (NastranElement::Mean(mean) | NastranElement::PartialMean(mean)) = element else { return };
+        if self.bulk.is_mystran && !matches!(problem, Problem::Card(CardFault::MeanCut { .. })) {
+            let text = format!("{}: MYSTRAN stops, because its equations are singular: {problem}", place.name);
+            self.model.refuse(place.file, place.line, text);
+        }
+        let (NastranElement::Mean(mean) | NastranElement::MystranMean(mean)) = element else { return };
         let own = [(mean.reference, mean.components)];
         let dependent = if mean.dependent.is_empty() { &own[..] } else { &mean.dependent };
         let dofs = |&(node, set): &(u32, Components)| set.iter().map(move |component| Dof { node, component });
@@ -208,7 +220,7 @@ fn equations(element: &NastranElement, points: &Points) -> Result<Vec<CouplingEq
         NastranElement::Rigid(element) => element.equations(points),
         NastranElement::Rod(element) => element.equation(points).map(|equation| vec![equation]),
         NastranElement::Mean(element) => element.expand(expand)?.equations(points),
-        NastranElement::PartialMean(element) => partial_mean(&element.expand(expand)?, points),
+        NastranElement::MystranMean(element) => mystran_mean(&element.expand(expand)?, points),
         NastranElement::Joint(element) => joint(element, points),
     }?;
     let is_finite = equations.iter().flat_map(|equation| &equation.terms).all(|(_, value)| value.is_finite());
