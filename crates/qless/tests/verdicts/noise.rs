@@ -4,7 +4,7 @@ use qless::common::SplitMix64;
 use qless::diagnosis::OtherReading;
 use qless::{Doubt, Noise, Options, SystemBuilder, analyse};
 
-use super::{Equations, below, counts, each, is_sure, system};
+use super::{Equations, counts, each, is_sure, system};
 
 /// A planar four-bar as a spatial mechanism, turned against the axes: rows that should be zero are rounding.
 #[test]
