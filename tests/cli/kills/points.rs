@@ -11,6 +11,9 @@ use super::super::harness::Place;
 const CHANGES: &str = "openat,write,pwrite64,rename,renameat,renameat2,link,linkat,unlink,unlinkat,mkdir,mkdirat,rmdir,ftruncate,\
 fsync,fdatasync,fchmod,flock,close,exit_group";
 
+/// What a run needs.
+const STRACE: &str = "strace is there: scripts/install installs it";
+
 /// The point before the `count`-th call of a thread, counted from 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Point {
@@ -23,7 +26,7 @@ impl Point {
     pub fn start(&self, place: &Place, arguments: &str, what: &str) -> Child {
         let inject = format!("--inject={}:{what}:when={}", self.call, self.count);
         let mut command = traced(place, arguments, &["-o", "/dev/null", &inject]);
-        command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the program starts")
+        command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect(STRACE)
     }
 }
 
@@ -31,7 +34,7 @@ impl Point {
 pub fn points(place: &Place, arguments: &str) -> Vec<Point> {
     let trace = place.path("trace");
     let only = format!("--trace={CHANGES}");
-    let run = traced(place, arguments, &["-o", "trace", &only]).output().expect("the program starts");
+    let run = traced(place, arguments, &["-o", "trace", &only]).output().expect(STRACE);
     assert!(run.status.code().is_some_and(|code| code < 2), "{}", String::from_utf8_lossy(&run.stderr));
     let text = fs::read_to_string(&trace).expect("a trace");
     fs::remove_file(trace).expect("a file");

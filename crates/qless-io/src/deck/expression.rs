@@ -71,7 +71,12 @@ pub fn function(name: &str, arguments: &[Operand]) -> Result<Operand, NoValue> {
         _ => return Err(NoValue::Unknown),
     };
     let keeps = matches!(name, "ABS" | "MIN" | "MAX") && arguments.iter().any(|argument| argument.is_whole);
-    Ok(Operand { value, is_whole: keeps || name == "INT" })
+    known(Operand { value, is_whole: keeps || name == "INT" })
+}
+
+/// The operand, unless it is no number: programs stop there, and a function such as `MIN` would hide it.
+fn known(operand: Operand) -> Result<Operand, NoValue> {
+    if operand.value.is_finite() { Ok(operand) } else { Err(NoValue::Unknown) }
 }
 
 /// Limit on nested parentheses.
@@ -90,17 +95,17 @@ pub fn operand(text: &[u8], names: &impl NameLookup) -> Result<Operand, NoValue>
     if !parser.rest.is_empty() {
         return Err(NoValue::NotAnExpression);
     }
-    if operand.value.is_finite() { Ok(operand) } else { Err(NoValue::Unknown) }
+    known(operand)
 }
 
-/// The value of an operation on two operands, which is whole if both are. If `is_strict`, a value with a fraction from two whole numbers is
-/// unknown.
+/// The value of an operation on two operands, which is whole if both are. If `is_strict`, a value from two whole numbers is unknown if it has
+/// a fraction, or does not fit into 32 bits, in which a program may store it.
 fn both(a: Operand, b: Operand, value: f64, is_strict: bool) -> Result<Operand, NoValue> {
     let is_whole = a.is_whole && b.is_whole;
-    if is_strict && is_whole && value.fract() != 0.0 {
+    if is_strict && is_whole && (value.fract() != 0.0 || value.abs() > f64::from(i32::MAX)) {
         return Err(NoValue::Unknown);
     }
-    Ok(Operand { value, is_whole })
+    known(Operand { value, is_whole })
 }
 
 struct ExpressionParser<'a, N> {
@@ -327,7 +332,7 @@ mod tests {
         }
         let rules =
             ["7/2", "A/2", "max(A,1)/2", "abs(7)/2", "int(7.5)/2", "2**(-1)", "2**3**2", "-2**2", "1*-2**2", "010"];
-        for text in rules.into_iter().chain(["sqrt(-1)", "ln(2)"]) {
+        for text in rules.into_iter().chain(["sqrt(-1)", "min(3,sqrt(-1))", "1/exp(800)", "100000*100000", "ln(2)"]) {
             assert_eq!(strict(text), Err(NoValue::Unknown), "{text}");
         }
         assert_eq!(strict("(1,2)"), Err(NoValue::NotAnExpression));

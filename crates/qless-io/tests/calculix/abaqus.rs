@@ -1,7 +1,6 @@
 //! What Abaqus reads in another way than ccx.
 
 use qless_io::deck::Solver::{Abaqus, Ccx};
-use qless_io::deck::clean;
 
 use crate::from_text::{brick, equations, model, parsed, prescribed, refused, warnings};
 
@@ -72,172 +71,18 @@ fn single_lines_of_a_card_are_left_out() {
 }
 
 #[test]
-fn fields_of_generating_cards_are_numbers() {
-    for (cards, message) in [
-        ("*NGEN,NSET=L\n1,x,1\n*BOUNDARY\nL,1\n", "deck.inp:5: *NGEN, field 2: `x` is no usable number"),
-        ("*SYSTEM\n0,0,O\n", "deck.inp:5: *SYSTEM, field 3: `O` is no usable number"),
-        ("*SYSTEM\n0,0,0,1,1,1\n0,l\n", "deck.inp:6: *SYSTEM, field 2: `l` is no usable number"),
-        (
-            "*ELEMENT,TYPE=B31,ELSET=E\n1,1,2\n*ELGEN,ELSET=E\n1,y,1\n",
-            "deck.inp:7: *ELGEN, field 2: `y` is no usable number",
-        ),
-    ] {
-        let found = refused(Abaqus, &format!("*NODE\n1,0,0,0\n2,1,0,0\n{cards}"));
-        assert!(found.starts_with(message), "{found}");
-    }
-}
-
-/// A deck with these lines of `*PARAMETER`: its equation, its prescribed values, and what is left out and said.
-fn with_parameters(lines: &str) -> (Vec<String>, Vec<String>, String) {
-    let cards = "*NSET,NSET=N1\n1\n*EQUATION\n2\n2,<k>,1.,1,1,<a>\n*BOUNDARY\n<set>,2,2,<A>\n";
-    let read = model(Abaqus, &format!("*NODE\n1,0,0,0\n2,1,0,0\n{cards}*PARAMETER\n{lines}"));
-    (equations(&read), prescribed(&read, &read.cases()[0]), left_out(&read) + &warnings(&read))
-}
-
-#[test]
-fn parameters_have_their_values() {
-    for (a, value) in [
-        ("-2.5", "-2.5"),
-        ("-2.5*(3 - 1.) # a comment", "-5"),
-        ("b/4.", "2"),
-        ("2*sqrt(b*2)", "8"),
-        ("cos(pi)*b**2", "-64"),
-        ("max(b, 9)", "9"),
-    ] {
-        let found = with_parameters(&format!("** twice\nb = 8\nk = 2\nset = 'N1'\n a = {a}\n"));
-        let expected = (vec![format!("1 2:2 {value} 1:1")], vec![format!("1:2={value}")], String::new());
-        assert_eq!(found, expected, "{a}");
-    }
-    // They may stand in place of names and of numbers of nodes, and on keyword lines.
-    let body = "*PARAMETER\nr = 1\nx = 2.\nn = 'N2'\n*NODE\n<r>,0,0,0\n2,<x>,0,0\n*NSET,NSET=<n>\n2\n*RIGID BODY,PIN NSET=N2,REF NODE=<r>\n";
-    assert_eq!(equations(&model(Abaqus, body)), ["1 2:1 -1 1:1", "1 2:2 -1 1:2 -2 1:6", "1 2:3 -1 1:3 2 1:5"]);
-    // Equations with numbers replace those with parameters.
-    let twice = "*PARAMETER\na = 2.\n*NODE\n1,0,0,0\n2,<a>,0,0\n*EQUATION\n2\n2,1,<a>,1,1,-1.\n2\n2,1,4.,1,1,-2.\n";
-    let deck = parsed(Abaqus, twice).expect("a deck");
-    let plan = clean::plan(&deck, &qless::Options::default()).expect("a plan");
-    let text = String::from_utf8(clean::write(&deck, &plan).expect("written")).expect("text");
-    assert_eq!(equations(&model(Abaqus, &text)), ["2 2:1 -1 1:1"], "{text}");
-    // Only Abaqus has parameters.
-    assert_eq!(parsed(Ccx, body).expect("a deck").solver(), Abaqus);
-}
-
-#[test]
-fn cards_with_parameters_without_a_value_are_left_out() {
-    for a in ["7/2", "f(3)", "b[0]", "", "1.\na = 2.", "somewhere*2."] {
-        let (equations, prescribed, said) = with_parameters(&format!("k = 2\nset = 'N1'\na = {a}\n"));
-        assert_eq!((equations.len(), prescribed.len()), (0, 0), "{a}: {said}");
-        for (line, card, name) in [(8, "*EQUATION", "a"), (10, "*BOUNDARY", "A")] {
-            let why = format!(
-                "{line}: {card} constrains, but it needs the value of the parameter {name}, which this reader does not follow"
-            );
-            assert!(said.contains(&why), "{said}");
-        }
-        assert!(said.contains("the value of the parameter A is not followed"), "{said}");
-    }
-    let count = model(Abaqus, "*PARAMETER\nn = f(2)\n*EQUATION\n2\n1,1,1.,2,1,1.\n<n>\n2,2,1.\n");
-    assert_eq!(count.equations(), 1);
-    assert!(left_out(&count).contains("6: ") && left_out(&count).contains("left out, with the rest of the card"));
-    // Nodes: equations do not need their positions, and rigid bodies do.
-    let nodes = "*PARAMETER\nx = f(2)\n*NODE\n1,0,0,0\n2,<x>,0,0\n*EQUATION\n2\n1,1,1.,2,1,1.\n*MPC\nBEAM,2,1\n*NODE\n3,0,0,0\n4,1,0,0\n*MPC\nBEAM,3,4\n";
-    let read = model(Abaqus, nodes);
-    assert_eq!((read.equations(), left_out(&read).lines().count()), (4, 1), "{}", left_out(&read));
-    assert!(left_out(&read).contains("needs the position of node 2"), "{}", left_out(&read));
-    let set = model(Abaqus, "*PARAMETER\ns = f(2)\n*NODE\n1,0,0,0\n*RIGID BODY,PIN NSET=<s>,REF NODE=1\n");
-    assert!(
-        left_out(&set).contains("the value of the parameter s")
-            || left_out(&set).contains("the value of the parameter S")
-    );
-    let elements = model(Abaqus, "*PARAMETER\nn = f(2)\n*ELEMENT,TYPE=B31\n1,<n>,2\n");
-    assert!(left_out(&elements).contains("*ELEMENT has a parameter whose value is not known"));
-}
-
-#[test]
 fn imperfections_are_said_to_be_left_aside() {
     let read = model(Abaqus, "*NODE\n1,0,0,0\n2,1,0,0\n*IMPERFECTION,FILE=modes,STEP=1\n1,.1\n*MPC\nBEAM,2,1\n");
     assert_eq!(read.equations(), 3);
     assert!(warnings(&read).contains("*IMPERFECTION moves nodes"), "{}", warnings(&read));
 }
 
-#[test]
-fn generated_nodes_are_in_their_set() {
-    let text = "*NODE,NSET=L\n1,0,0,0\n5,4,0,0\n*NGEN,NSET=L\n1,5,1\n*EQUATION\n2\n3,1,1.,2,1,-1.\n*STEP\n*STATIC\n*BOUNDARY\nL,1,1,0.\n*END STEP\n";
-    let generated = model(Abaqus, text);
-    assert_eq!(prescribed(&generated, &generated.cases()[0]).len(), 5);
-}
-
-const POINTS: &str = "*NODE\n1,0,0,0\n2,1,0,0\n3,2,0,0\n4,0,3,4\n*NSET,NSET=N1\n1\n*NSET,NSET=N2\n2\n";
+pub const POINTS: &str = "*NODE\n1,0,0,0\n2,1,0,0\n3,2,0,0\n4,0,3,4\n*NSET,NSET=N1\n1\n*NSET,NSET=N2\n2\n";
 /// The first axis of the nodes in a set is the global y axis.
 const TURNED: &str = "*TRANSFORM,NSET=N2,TYPE=R\n0.,1.,0.,-1.,0.,0.\n";
 
-fn left_out(model: &qless_io::deck::Model) -> String {
+pub fn left_out(model: &qless_io::deck::Model) -> String {
     model.left_out().map(|warning| format!("{}: {}", warning.line, warning.text)).collect::<Vec<_>>().join("\n")
-}
-
-#[test]
-fn generated_nodes_have_positions() {
-    let body = "*RIGID BODY,PIN NSET=L,REF NODE=9\n*NODE\n9,0,0,0\n";
-    let line = |kind: &str| format!("*NODE,NSET=L\n2,0,0,0\n6,4,0,2\n*NGEN,NSET=L{kind}\n2,6,2\n{body}");
-    // The solver is Abaqus, because ccx has no such cards.
-    let straight = model(Ccx, &line(""));
-    assert_eq!(equations(&straight)[3..6], ["1 4:1 -1 9:1 -1 9:5", "1 4:2 -1 9:2 1 9:4 -2 9:6", "1 4:3 -1 9:3 2 9:5"]);
-    let arc = model(Abaqus, &line(",LINE=C"));
-    assert_eq!(arc.equations(), 0);
-    assert_eq!(
-        left_out(&arc),
-        "6: *RIGID BODY constrains, but it needs the position of node 4, which this reader does not follow: left out"
-    );
-    // Their equations need no positions.
-    let tied = "*EQUATION\n2\n3,1,1.,2,1,-1.\n";
-    let known = format!("*NODE\n1,0,0,0\n5,4,0,0\n*NGEN,LINE=P,NSET=L\n1,5\n{tied}");
-    assert_eq!(
-        (equations(&model(Abaqus, &known)), left_out(&model(Abaqus, &known))),
-        (vec!["1 3:1 -1 2:1".into()], String::new())
-    );
-    let undefined = known.replace("3,1,1.", "7,1,1.");
-    assert!(refused(Abaqus, &undefined).contains("node 7 is not defined"));
-    assert!(left_out(&model(Ccx, "*NMAP,NSET=A,TYPE=CYLINDRICAL\n")).starts_with("1: *NMAP moves nodes"));
-    let copied = model(
-        Abaqus,
-        "*NODE,NSET=A\n1,0,0,0\n*NCOPY,OLD SET=A,NEW SET=B,CHANGE NUMBER=10,SHIFT\n0,0,1\n\n*BOUNDARY\nB,1\n",
-    );
-    assert_eq!(
-        left_out(&copied),
-        "7: *BOUNDARY constrains, but it needs a set that *NCOPY gives members, which this reader does not follow: left out"
-    );
-}
-
-#[test]
-fn generated_elements_have_nodes() {
-    let body = |line: &str| {
-        format!("{POINTS}*ELEMENT,TYPE=B31,ELSET=F\n1,1,2\n*ELGEN,ELSET=E\n{line}\n*RIGID BODY,ELSET=E,REF NODE=4\n")
-    };
-    let nodes = |line: &str| model(Abaqus, &body(line)).equations() / 6;
-    assert_eq!((nodes("1,1"), nodes("1,2"), nodes("1,1,1,1,2,1,1")), (2, 3, 3));
-    // Three rows of two elements, and two layers of these: 12 elements with nodes 1 to 2, 3 to 4 and so on.
-    let numbers = (5..30).map(|node| format!("{node},{node},0,0\n")).collect::<Vec<_>>().concat();
-    let layers = body("1,2,2,1,3,4,10,2,12,100").replace("4,0,3,4\n", &format!("4,0,3,4\n{numbers}"));
-    assert_eq!(model(Abaqus, &layers).equations() / 6, 24 - 1);
-    assert_eq!(left_out(&model(Abaqus, &body("1,0,1,1,4000000000,1,1,4000000000"))).lines().count(), 2);
-    let unknown = model(Abaqus, &body("7,2"));
-    assert!(left_out(&unknown).starts_with("13: *ELGEN copies an element that no"), "{}", left_out(&unknown));
-    assert!(left_out(&unknown).contains("14: *RIGID BODY constrains, but it needs a set that *ELGEN gives members"));
-}
-
-#[test]
-fn nodes_are_in_their_system() {
-    let at = |cards: &str| {
-        let body = "*NODE\n1,0,0,0\n*NSET,NSET=N2\n2\n*RIGID BODY,PIN NSET=N2,REF NODE=1\n";
-        let read = model(Abaqus, &format!("{cards}{body}"));
-        let texts = equations(&read).iter().map(|text| text.split_once(' ').expect("a slave").1.to_owned()).collect();
-        (texts, left_out(&read).lines().count())
-    };
-    let same = |cards: &str, plain: &str| assert_eq!(at(cards), at(&format!("*NODE\n2,{plain}\n")), "{cards}");
-    same("*NODE,SYSTEM=R\n2,1,2,3\n", "1,2,3");
-    same("*NODE,SYSTEM=C\n2,2,90.,3\n", "0,2,3");
-    same("*SYSTEM\n10,0,5\n*NODE\n2,1,2,3\n*SYSTEM\n", "11,2,8");
-    same("*SYSTEM\n1,0,0,1,1,7\n*NODE\n2,2,3,4\n*SYSTEM\n", "-2,2,4");
-    same("*SYSTEM\n1,0,0,1,0,1\n1,1,0\n*NODE,SYSTEM=C\n2,2,90.,5\n*SYSTEM\n", "-4,2,0");
-    assert_eq!(at("*NODE,SYSTEM=S\n2,1,2,3\n"), (vec![], 1));
 }
 
 #[test]

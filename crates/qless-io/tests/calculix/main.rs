@@ -12,6 +12,10 @@ mod ccx;
 mod claims;
 /// Helpers: decks from text, and models as text.
 mod from_text;
+/// Nodes and elements that cards of Abaqus generate.
+mod generated;
+/// Parameters of Abaqus.
+mod parameters;
 /// Decks that stop ccx when it reads them.
 mod refused;
 /// Masters that an equation names twice, in ccx.
