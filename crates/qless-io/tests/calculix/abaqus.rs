@@ -217,6 +217,15 @@ fn perturbation_steps_are_on_their_own() {
     }
 }
 
+/// A value of a perturbation step tells nothing of the one that returns after it.
+#[test]
+fn unknown_values_return_after_perturbation_steps() {
+    let user = "*STEP\n*STATIC\n*BOUNDARY,USER\n1,1\n*END STEP\n";
+    let between = "*STEP,PERTURBATION\n*STATIC\n*BOUNDARY\n1,1,1,2.\n*END STEP\n";
+    let read = model(Abaqus, &format!("{user}{between}*STEP\n*STATIC\n*BOUNDARY,FIXED,OP=NEW\n1,1\n*END STEP\n"));
+    assert_eq!(left_out(&read).matches("values that are not in the deck").count(), 2, "{}", left_out(&read));
+}
+
 #[test]
 fn a_second_load_case_is_left_out() {
     for solver in [Abaqus, Ccx] {

@@ -20,18 +20,24 @@ type PrescribedBySteps = BTreeMap<Dof, (Prescribed, usize)>;
 
 /// What is in force at a card.
 #[derive(Default)]
-pub struct StepValues {
+struct InForce {
     prescribed: PrescribedBySteps,
     clashes: Vec<Prescribed>,
     /// Prescribed DOFs whose values are not in the deck.
     unknown: BTreeSet<Dof>,
     loads: Vec<Load>,
+}
+
+/// What is in force at a card, and the step of the card.
+#[derive(Default)]
+pub struct StepValues {
+    now: InForce,
     steps: usize,
     /// Whether a `*BOUNDARY` card has occurred in the current step. Before the first step: whether any has occurred.
     has_boundary: bool,
     in_step: bool,
-    /// The values, contradictions and loads that return after a perturbation step.
-    base: Option<(PrescribedBySteps, Vec<Prescribed>, Vec<Load>)>,
+    /// What returns after a perturbation step.
+    base: Option<InForce>,
 }
 
 impl StepValues {
@@ -42,7 +48,7 @@ impl StepValues {
 
     /// Whether a DOF is prescribed.
     pub fn prescribes(&self, dof: Dof) -> bool {
-        self.prescribed.contains_key(&dof)
+        self.now.prescribed.contains_key(&dof)
     }
 
     /// Begins a step.
@@ -56,9 +62,9 @@ impl StepValues {
         if solver != Solver::Abaqus || !self.in_step || self.base.is_some() {
             return;
         }
-        let (clashes, loads) = (std::mem::take(&mut self.clashes), std::mem::take(&mut self.loads));
-        self.base = Some((self.prescribed.clone(), clashes, loads));
-        for (given, _) in self.prescribed.values_mut() {
+        let prescribed = self.now.prescribed.clone();
+        self.base = Some(std::mem::replace(&mut self.now, InForce { prescribed, ..InForce::default() }));
+        for (given, _) in self.now.prescribed.values_mut() {
             (given.value, given.history) = (0.0, 0);
         }
     }
@@ -66,8 +72,8 @@ impl StepValues {
     /// Ends a step, if one is open, and returns its load case.
     pub fn end_step(&mut self, removed: &[u32]) -> Option<LoadCase> {
         let case = std::mem::take(&mut self.in_step).then(|| self.case(format!("step {}", self.steps), removed));
-        if let Some((prescribed, clashes, loads)) = self.base.take() {
-            (self.prescribed, self.clashes, self.loads) = (prescribed, clashes, loads);
+        if let Some(base) = self.base.take() {
+            self.now = base;
         }
         case
     }
@@ -76,9 +82,9 @@ impl StepValues {
     pub fn case(&self, name: String, removed: &[u32]) -> LoadCase {
         LoadCase {
             name,
-            prescribed: self.prescribed.values().map(|(given, _)| *given).collect(),
-            clashes: self.clashes.clone(),
-            loads: self.loads.clone(),
+            prescribed: self.now.prescribed.values().map(|(given, _)| *given).collect(),
+            clashes: self.now.clashes.clone(),
+            loads: self.now.loads.clone(),
             removed: removed.to_vec(),
         }
     }
@@ -91,9 +97,9 @@ impl StepValues {
         definitions: &DeckDefinitions,
     ) -> Result<(), DeckError> {
         if card.word("OP").as_deref() == Some("NEW") {
-            self.loads.clear();
+            self.now.loads.clear();
         }
-        self.loads.extend(boundary::loads(card, model, definitions)?);
+        self.now.loads.extend(boundary::loads(card, model, definitions)?);
         Ok(())
     }
 
@@ -113,7 +119,7 @@ impl StepValues {
         let is_first = !std::mem::replace(&mut self.has_boundary, true);
         let rate = card.word("TYPE").filter(|kind| definitions.is_abaqus && kind != "DISPLACEMENT");
         let rate = rate.map(|kind| kind.to_lowercase());
-        let reached = card.parameter("FIXED").map(|_| self.prescribed.clone());
+        let reached = card.parameter("FIXED").map(|_| self.now.prescribed.clone());
         if card.word("OP").as_deref() == Some("NEW") {
             self.forget(card, is_first || definitions.is_abaqus, model);
         }
@@ -145,18 +151,18 @@ impl StepValues {
 
     /// Puts a value in force. It replaces one of an earlier step. Different values in the same step contradict each other.
     fn prescribe(&mut self, given: Prescribed, is_unknown: bool) {
-        match self.prescribed.get(&given.dof) {
+        match self.now.prescribed.get(&given.dof) {
             Some((before, step)) if *step == self.steps => {
                 let differs = (before.value, before.history) != (given.value, given.history);
-                if differs && !is_unknown && !self.unknown.contains(&given.dof) {
-                    self.clashes.push(given);
+                if differs && !is_unknown && !self.now.unknown.contains(&given.dof) {
+                    self.now.clashes.push(given);
                 }
             }
             _ => {
-                self.prescribed.insert(given.dof, (given, self.steps));
-                self.clashes.retain(|clash| clash.dof != given.dof);
-                self.unknown.remove(&given.dof);
-                self.unknown.extend(Some(given.dof).filter(|_| is_unknown));
+                self.now.prescribed.insert(given.dof, (given, self.steps));
+                self.now.clashes.retain(|clash| clash.dof != given.dof);
+                self.now.unknown.remove(&given.dof);
+                self.now.unknown.extend(Some(given.dof).filter(|_| is_unknown));
             }
         }
     }
@@ -169,7 +175,7 @@ impl StepValues {
         match before {
             // Nothing has moved before the first step.
             _ if self.steps <= 1 => None,
-            Some((before, _)) if !self.unknown.contains(&given.dof) => {
+            Some((before, _)) if !self.now.unknown.contains(&given.dof) => {
                 let name = model.histories().nth(before.history as usize).flatten().map(str::to_owned);
                 given.value = before.value;
                 given.history = name.map_or(0, |name| model.history(&format!("{name} at its end")));
@@ -188,8 +194,8 @@ impl StepValues {
             model.warn(card.file, card.line, text);
             return;
         }
-        self.prescribed.retain(|_, (_, step)| *step == self.steps && self.steps > 0);
-        self.clashes.retain(|clash| self.prescribed.contains_key(&clash.dof));
+        self.now.prescribed.retain(|_, (_, step)| *step == self.steps && self.steps > 0);
+        self.now.clashes.retain(|clash| self.now.prescribed.contains_key(&clash.dof));
     }
 }
 
