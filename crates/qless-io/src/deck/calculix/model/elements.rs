@@ -18,16 +18,12 @@ pub struct ElementShape {
     pub is_flat: bool,
 }
 
-/// Beams, pipes and trusses in the plane of the first two axes, and in space, with the number of their nodes.
-const BARS: [(&str, usize); 19] = [
-    ("B21", 2),
-    ("B22", 3),
-    ("B23", 2),
-    ("PIPE21", 2),
-    ("PIPE22", 3),
-    ("FRAME2D", 2),
-    ("T2D2", 2),
-    ("T2D3", 3),
+/// Beams, pipes and trusses in the plane of the first two axes, with the number of their nodes.
+const FLAT_BARS: [(&str, usize); 8] =
+    [("B21", 2), ("B22", 3), ("B23", 2), ("PIPE21", 2), ("PIPE22", 3), ("FRAME2D", 2), ("T2D2", 2), ("T2D3", 3)];
+
+/// Those in space.
+const SPACE_BARS: [(&str, usize); 11] = [
     ("B31", 2),
     ("B32", 3),
     ("B33", 2),
@@ -40,9 +36,6 @@ const BARS: [(&str, usize); 19] = [
     ("T3D3", 3),
     ("FRAME", 2),
 ];
-
-/// How many of [`BARS`] are flat: the first ones.
-const FLAT_BARS: usize = 8;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ElementFamily {
@@ -103,12 +96,13 @@ impl ElementShape {
             } else {
                 let is_beam = ["B", "PIPE", "ELBOW", "FRAME"].iter().any(|beam| kind.starts_with(beam));
                 let is_bar = is_beam || ["T2D", "T3D"].iter().any(|truss| kind.starts_with(truss));
-                let nodes = BARS.iter().find(|(bar, _)| kind.starts_with(bar)).map(|(_, nodes)| *nodes);
+                let mut bars = FLAT_BARS.iter().chain(&SPACE_BARS);
+                let nodes = bars.find(|(bar, _)| kind.starts_with(bar)).map(|(_, nodes)| *nodes);
                 (if is_bar { ElementFamily::Bar } else { ElementFamily::Other }, nodes, is_beam)
             };
         let is_flat = family == ElementFamily::Plane
             || kind.starts_with("SAX")
-            || BARS[..FLAT_BARS].iter().any(|(bar, _)| kind.starts_with(bar));
+            || FLAT_BARS.iter().any(|(bar, _)| kind.starts_with(bar));
         Self { nodes, family, rotates, is_flat }
     }
 
