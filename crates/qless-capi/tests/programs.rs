@@ -132,7 +132,7 @@ fn the_example_on_ranks_prints_what_its_page_says() {
     assert!(page.contains(include_str!("c/ranks_example.c")), "docs/c.md has another example");
     let program = with_mpi("ranks_example");
     for ranks in [1, 3] {
-        // The ring has one redundant equation; another one follows from the prescribed value.
+        // The last equation of the ring repeats the others.
         let (rank, equations) = (2 * ranks - 1, 2 * ranks);
         let line = format!("rank {rank} of {equations} equations; u = 3 at the last DOF\n");
         assert_eq!(on_ranks(&program, ranks), line);
