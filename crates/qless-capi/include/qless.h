@@ -11,6 +11,7 @@
  * Integers. Functions that end in _64 take 64-bit indices. Lengths are 64-bit everywhere.
  * Base. Equations, DOFs, starts, columns, elements, groups, ways, load cases and warnings count from base, which is 0 or 1.
  * Threads. One handle may be used by several threads at once; qless_refresh waits until the others are done.
+ * Ranks of an MPI job. Include qless_mpi.h; the library itself links no MPI.
  */
 #ifndef QLESS_H
 #define QLESS_H
@@ -29,6 +30,7 @@
 #define QLESS_NUMERICAL -3 /* too little memory for a block, or equations too nearly dependent */
 #define QLESS_INTERNAL -4  /* a bug of the library */
 #define QLESS_FILE -5      /* a file cannot be read or written, or a deck is malformed or cannot be cleaned */
+#define QLESS_RANKS -6     /* a function of qless_ranks failed */
 
 #define QLESS_INDEPENDENT 0 /* kinds of equations */
 #define QLESS_REDUNDANT 1
@@ -73,6 +75,7 @@ typedef struct qless_analysis qless_analysis;
 typedef struct qless_elimination qless_elimination;
 typedef struct qless_pattern qless_pattern;
 typedef struct qless_deck qless_deck;
+typedef struct qless_distributed qless_distributed;
 
 /* A member of a reason: coefficient times an equation (QLESS_EQUATION), or times u_index = value (QLESS_PRESCRIBED). */
 typedef struct qless_member {
@@ -91,6 +94,26 @@ typedef struct qless_change {
 
 /* Adds K_e, by rows, and f_e of an element to arrays of zeros. Another result than 0 stops the assembly. */
 typedef int (*qless_element)(void *context, int64_t element, double *matrix, double *forces);
+
+/* Passes messages between the ranks of a job. Each function is collective, works like the function of MPI on 64-bit words that is named, and
+ * returns 0, or another number if it failed. The library calls it on the thread of the caller only.
+ * exchange: MPI_Alltoallv. sent has sent_counts[r] words for rank r, received gets received_counts[r] words from rank r, in the order of
+ * ranks without gaps. reduce: MPI_Allreduce in place, the sums (which wrap), or the maxima if is_max is 1. gather: MPI_Allgather of count
+ * numbers from each rank. */
+typedef int (*qless_exchange)(void *context, const uint64_t *sent, const int64_t *sent_counts, uint64_t *received,
+                              const int64_t *received_counts);
+typedef int (*qless_reduce)(void *context, uint64_t *numbers, int64_t count, int is_max);
+typedef int (*qless_gather)(void *context, const uint64_t *numbers, int64_t count, uint64_t *all);
+
+/* The ranks of a job: those of an MPI communicator by qless_mpi_ranks of qless_mpi.h, or by functions of the caller. rank counts from 0. */
+typedef struct qless_ranks {
+    void *context;
+    int32_t rank;
+    int32_t size;
+    qless_exchange exchange;
+    qless_reduce reduce;
+    qless_gather gather;
+} qless_ranks;
 
 /* Version of the library, such as "0.1.0"; valid for ever. */
 QLESS_API const char *qless_version(void);
@@ -281,6 +304,43 @@ QLESS_API int qless_add_element(const qless_pattern *pattern, int64_t count, con
                                 const double *forces, double *k_q, int64_t k_q_length, double *f_q, int64_t f_q_length);
 QLESS_API int qless_add_element_64(const qless_pattern *pattern, int64_t count, const int64_t *dofs, const double *matrix,
                                    const double *forces, double *k_q, int64_t k_q_length, double *f_q, int64_t f_q_length);
+
+/* The same over the ranks of a job: every rank calls qless_analyse_ranks and qless_distributed_eliminate with its part, in the same order.
+ * DOFs and equations have numbers in the job (messages count them from 0). Results do not depend on the distribution: they are those of
+ * qless_analyse for the equations in the order of their numbers, to the last bit. If an argument is not valid on one rank, or equations
+ * conflict, all ranks return the same status and message. If a function of ranks fails, this rank returns QLESS_RANKS; others may still
+ * wait for it, so end the job. */
+
+/* Diagnoses C u = b. This rank owns the DOFs first_dof .. end_dof - 1; the ranges of all ranks follow one another from base. It gives any
+ * equations of the job, in compressed rows as in qless_analyse; numbers: the number of each, below 2^62, each once in the job. Several
+ * ranks may prescribe a DOF with equal values. needed_dofs: DOFs of other ranks whose rows of T this rank needs. All ranks give the same
+ * base and options. QLESS_AMBIGUOUS on all ranks if another rank or verdict is possible. */
+QLESS_API int qless_analyse_ranks(const qless_ranks *ranks, int base, int64_t first_dof, int64_t end_dof, int64_t equations,
+                                  const int64_t *numbers, const int64_t *starts, const int64_t *columns, const double *values,
+                                  const double *rhs, int64_t prescribed_count, const int64_t *prescribed_dofs,
+                                  const double *prescribed_values, int64_t needed_count, const int64_t *needed_dofs,
+                                  const qless_options *options, qless_distributed **distributed);
+QLESS_API int qless_distributed_free(qless_distributed *distributed);
+
+/* Numbers of equations and DOFs of the whole job, the rank of C, and the numbers of redundant and of conflicting equations. */
+QLESS_API int qless_distributed_counts(const qless_distributed *distributed, int64_t *equations, int64_t *dofs, int64_t *rank,
+                                       int64_t *redundant, int64_t *conflicting);
+
+/* The kind of each equation that this rank gave, in its order; length: their number. */
+QLESS_API int qless_distributed_kinds(const qless_distributed *distributed, int8_t *kinds, int64_t length);
+
+/* As qless_explanation, for an equation that this rank gave: row counts these from base; numbers: those in the job, of any rank. */
+QLESS_API int qless_distributed_explanation(const qless_distributed *distributed, int64_t row, int64_t *numbers, double *coefficients,
+                                            int64_t room, int64_t *count);
+
+/* Solves for the slaves; QLESS_CONFLICT on all ranks if equations conflict. The elimination is that of the local DOFs: those that this rank
+ * owns or needs, and those in their rows of T and G. Its functions number them from base, ascending. It has no equations, so that
+ * qless_refresh, qless_multipliers and qless_reactions fail. */
+QLESS_API int qless_distributed_eliminate(const qless_ranks *ranks, const qless_distributed *distributed, qless_elimination **elimination);
+
+/* The number in the job of each local DOF, and of the masters that this rank owns, ascending. room: length of the array. */
+QLESS_API int qless_distributed_dofs(const qless_elimination *elimination, int64_t *dofs, int64_t room, int64_t *count);
+QLESS_API int qless_distributed_masters(const qless_elimination *elimination, int64_t *masters, int64_t room, int64_t *count);
 
 #ifdef __cplusplus
 }

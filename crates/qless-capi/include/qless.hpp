@@ -29,7 +29,7 @@ namespace qless {
 class Error : public std::runtime_error {
 public:
     explicit Error(int status) : std::runtime_error(qless_message()), status_(status) {}
-    // QLESS_INPUT, QLESS_CONFLICT, QLESS_NUMERICAL, QLESS_INTERNAL or QLESS_FILE.
+    // QLESS_INPUT, QLESS_CONFLICT, QLESS_NUMERICAL, QLESS_INTERNAL, QLESS_FILE or QLESS_RANKS.
     int status() const noexcept { return status_; }
 
 private:

@@ -128,15 +128,18 @@ pub unsafe extern "C" fn qless_kinds(analysis: *const qless_analysis, kinds: *mu
     on(analysis, |held: Arc<HeldAnalysis>| {
         // SAFETY: the caller upholds the contract.
         let out = unsafe { write("kinds", kinds, length, held.analysis.kinds().len()) }?;
-        for (out, kind) in out.iter_mut().zip(held.analysis.kinds()) {
-            *out = match kind {
-                Kind::Independent => 0,
-                Kind::Redundant => 1,
-                Kind::Conflicting => 2,
-            };
-        }
+        out.iter_mut().zip(held.analysis.kinds()).for_each(|(out, &kind)| *out = number_of(kind));
         Ok(())
     })
+}
+
+/// `QLESS_INDEPENDENT`, `QLESS_REDUNDANT` or `QLESS_CONFLICTING`.
+pub(crate) fn number_of(kind: Kind) -> i8 {
+    match kind {
+        Kind::Independent => 0,
+        Kind::Redundant => 1,
+        Kind::Conflicting => 2,
+    }
 }
 
 /// Writes the confidence in digits. `kept`: a change of coefficients in this digit can make the kept equations dependent. `dropped`: the

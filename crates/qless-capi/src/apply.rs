@@ -160,7 +160,6 @@ pub unsafe extern "C" fn qless_reactions(
 
 #[cfg(test)]
 mod tests {
-    use std::sync::RwLock;
 
     use qless::{Form, Options, SystemBuilder, analyse};
 
@@ -176,7 +175,7 @@ mod tests {
         builder.equation([(0, 1.0), (1, -1.0)], 0.0);
         let analysis = analyse(&builder.build().expect("a system"), &Options::default()).expect("an analysis");
         let made = Elimination::from_analysis(analysis, Form::Explicit).expect("no conflict");
-        let held = HeldElimination { elimination: RwLock::new(made), base: IndexBase::new(0).expect("a base") };
+        let held = HeldElimination::new(made, IndexBase::new(0).expect("a base"), None);
         let mut handle = std::ptr::null_mut();
         // SAFETY: the addresses are those of local variables, here and below.
         unsafe { insert("elimination", &raw mut handle, held) }.expect("an address");

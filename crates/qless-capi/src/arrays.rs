@@ -140,14 +140,20 @@ pub unsafe fn write<'a, T>(what: &str, start: *mut T, found: i64, needed: usize)
     Ok(unsafe { std::slice::from_raw_parts_mut(start, needed) })
 }
 
+/// Refuses the address null of an output value.
+pub fn not_null<T>(what: &str, place: *mut T) -> Result<(), CallFailure> {
+    if place.is_null() {
+        return Err(CallFailure::input(format!("{what} is null; give the address of a variable")));
+    }
+    Ok(())
+}
+
 /// Writes an output value of the caller.
 ///
 /// # Safety
 /// `place` is null or points to a writable value that nobody else uses.
 pub unsafe fn set<T>(what: &str, place: *mut T, value: T) -> Result<(), CallFailure> {
-    if place.is_null() {
-        return Err(CallFailure::input(format!("{what} is null; give the address of a variable")));
-    }
+    not_null(what, place)?;
     // SAFETY: not null, and the caller guarantees that it may be written.
     unsafe { place.write(value) };
     Ok(())

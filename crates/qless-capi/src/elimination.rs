@@ -15,9 +15,24 @@ use crate::status::{CallFailure, guard};
 pub(crate) struct HeldElimination {
     pub(crate) elimination: RwLock<Elimination>,
     pub(crate) base: IndexBase,
+    /// Numbers in the job, if the elimination is that of one rank.
+    pub(crate) job: Option<JobNumbers>,
+}
+
+/// Numbers in the job of DOFs that are local to a rank.
+#[derive(Debug)]
+pub(crate) struct JobNumbers {
+    /// Of each local DOF, ascending.
+    pub(crate) dofs: Vec<u64>,
+    /// Of the masters that the rank owns, ascending.
+    pub(crate) masters: Vec<u64>,
 }
 
 impl HeldElimination {
+    pub(crate) fn new(elimination: Elimination, base: IndexBase, job: Option<JobNumbers>) -> Self {
+        Self { elimination: RwLock::new(elimination), base, job }
+    }
+
     pub(crate) fn read(&self) -> Result<RwLockReadGuard<'_, Elimination>, CallFailure> {
         unharmed(self.elimination.read())
     }
@@ -34,7 +49,7 @@ pub unsafe extern "C" fn qless_eliminate(
 ) -> c_int {
     on(analysis, |held: Arc<analysis::HeldAnalysis>| {
         let made = Elimination::from_analysis(Arc::clone(&held.analysis), Form::Explicit)?;
-        let made = HeldElimination { elimination: RwLock::new(made), base: held.base };
+        let made = HeldElimination::new(made, held.base, None);
         // SAFETY: the caller upholds the contract.
         unsafe { insert("elimination", elimination, made) }
     })

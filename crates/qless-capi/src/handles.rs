@@ -34,6 +34,8 @@ opaque! {
     qless_pattern
     /// A handle of a deck.
     qless_deck
+    /// A handle of the analysis of a job on one of its ranks.
+    qless_distributed
 }
 
 type HandleTable = RwLock<HashMap<usize, Arc<dyn Any + Send + Sync>>>;

@@ -5,6 +5,7 @@
 //! deck                                 -> qless_deck_read  -> qless_deck          load cases, warnings; analyse, clean
 //! qless_analysis                       -> qless_eliminate  -> qless_elimination   slaves, T, G, g, expand, restrict, multipliers
 //! qless_elimination, pattern of K      -> qless_condensed  -> qless_pattern       K_q and f_q, from K or from elements
+//! messages of the caller, equations    -> qless_analyse_ranks -> qless_distributed   the same over the ranks of an MPI job
 //! ```
 //!
 //! Every function returns a status. Handles are numbers of a table, not addresses: a null, freed or foreign handle is an error, not
@@ -41,23 +42,27 @@ mod analysis;
 mod apply;
 mod arrays;
 mod deck;
+mod distributed;
 mod elements;
 mod elimination;
 mod findings;
 mod handles;
 mod options;
 mod pattern;
+mod ranks;
 mod repairs;
 mod status;
 
 pub use analysis::*;
 pub use apply::*;
 pub use deck::*;
+pub use distributed::*;
 pub use elements::*;
 pub use elimination::*;
 pub use findings::*;
-pub use handles::{qless_analysis, qless_deck, qless_elimination, qless_options, qless_pattern};
+pub use handles::{qless_analysis, qless_deck, qless_distributed, qless_elimination, qless_options, qless_pattern};
 pub use options::*;
 pub use pattern::*;
+pub use ranks::{qless_exchange, qless_gather, qless_ranks, qless_reduce};
 pub use repairs::*;
 pub use status::{qless_message, qless_version};

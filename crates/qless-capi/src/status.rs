@@ -1,5 +1,6 @@
 //! Status of a call, and the message of the last failure on this thread.
 
+use std::any::Any;
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char, c_int};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -9,6 +10,7 @@ use qless::elimination::EliminationError;
 use qless::{AnalysisError, ArgumentError, SystemError};
 use qless_io::deck::clean::CleanError;
 use qless_io::{ReadError, WriteError};
+use qless_mpi::{CodedError, ErrorWords};
 
 /// The call succeeded.
 pub const OK: c_int = 0;
@@ -26,6 +28,8 @@ const NUMERICAL: c_int = -3;
 const INTERNAL: c_int = -4;
 /// A file cannot be read or written, or a deck is malformed or cannot be cleaned.
 const FILE: c_int = -5;
+/// A function of the caller that passes messages between ranks failed.
+const RANKS: c_int = -6;
 
 /// A call that failed.
 #[derive(Debug)]
@@ -37,6 +41,16 @@ pub struct CallFailure {
 impl CallFailure {
     pub fn input(message: impl Into<String>) -> Self {
         Self { status: INPUT, message: message.into() }
+    }
+
+    /// A function of the caller could not pass messages.
+    pub fn ranks(message: String) -> Self {
+        Self { status: RANKS, message }
+    }
+
+    /// A failure on one rank, before all ranks learn of it.
+    pub fn on_rank(self, rank: usize) -> Self {
+        Self { message: format!("rank {rank}: {}", self.message), ..self }
     }
 
     /// A panic ended an earlier call while it changed the object of a handle.
@@ -109,8 +123,44 @@ impl From<EliminationError> for CallFailure {
     }
 }
 
+impl From<qless_mpi::Error> for CallFailure {
+    fn from(error: qless_mpi::Error) -> Self {
+        use qless_mpi::Error::{Conflicting, Option, Options, Share};
+        let status = match error {
+            Conflicting { .. } => CONFLICT,
+            Option(_) | Options { .. } | Share(_) => INPUT,
+            _ => NUMERICAL,
+        };
+        Self { status, message: error.to_string() }
+    }
+}
+
+/// All ranks return the failure of one.
+impl ErrorWords for CallFailure {
+    fn to_words(&self) -> Vec<u64> {
+        CodedError { code: self.status.unsigned_abs().into(), text: self.message.clone() }.to_words()
+    }
+
+    fn from_words(words: &[u64]) -> Self {
+        let CodedError { code, text } = CodedError::from_words(words);
+        Self { status: -(code as c_int), message: text }
+    }
+}
+
+/// Ends the call with this failure where Rust code between cannot return one. It unwinds to [`guard`], through no function of C.
+pub fn end_call(failure: CallFailure) -> ! {
+    // Unlike `panic!` this prints nothing.
+    std::panic::resume_unwind(Box::new(failure))
+}
+
 thread_local! {
     static MESSAGE: RefCell<CString> = RefCell::default();
+}
+
+fn internal(panic: &(dyn Any + Send)) -> CallFailure {
+    let text = panic.downcast_ref::<String>().map(String::as_str).or_else(|| panic.downcast_ref().copied());
+    let message = format!("internal error, please report it: {}", text.unwrap_or("no message"));
+    CallFailure { status: INTERNAL, message }
 }
 
 /// Runs the work of a call; a failure or panic becomes a status with a message.
@@ -119,11 +169,7 @@ pub fn guard(work: impl FnOnce() -> Result<c_int, CallFailure>) -> c_int {
     let failure = match catch_unwind(AssertUnwindSafe(work)) {
         Ok(Ok(status)) => return status,
         Ok(Err(failure)) => failure,
-        Err(panic) => {
-            let text = panic.downcast_ref::<String>().map(String::as_str).or_else(|| panic.downcast_ref().copied());
-            let message = format!("internal error, please report it: {}", text.unwrap_or("no message"));
-            CallFailure { status: INTERNAL, message }
-        }
+        Err(panic) => panic.downcast().map_or_else(|panic| internal(&*panic), |failure| *failure),
     };
     let text = CString::new(failure.message.replace('\0', " ")).unwrap_or_default();
     MESSAGE.with(|message| _ = message.try_borrow_mut().map(|mut message| *message = text));

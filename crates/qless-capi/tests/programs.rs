@@ -1,4 +1,4 @@
-//! C programs against the header and the shared library: the example, misuse, CalculiX, Eigen, PETSc, and the corpus to the last bit.
+//! C programs against the header and the shared library: the examples, misuse, CalculiX, Eigen, PETSc, ranks of MPI, and the corpus to the last bit.
 
 mod support;
 
@@ -116,6 +116,45 @@ fn eigen_and_petsc_solve_the_same_condensed_matrix() {
     let program = build("mpicc", &["-std=c11"], source, &borrowed(&flags));
     for ranks in [1, 4] {
         assert_eq!(on_ranks(&program, ranks), eigen, "{ranks} ranks");
+    }
+}
+
+/// A program with ranks; without `mpicc`, which `scripts/install` installs, the test fails.
+fn with_mpi(name: &str) -> support::Program {
+    let source = format!("{}/tests/c/{name}.c", env!("CARGO_MANIFEST_DIR"));
+    build("mpicc", &["-std=c11"], &source, &["-pedantic"])
+}
+
+#[test]
+fn the_example_on_ranks_prints_what_its_page_says() {
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/c.md");
+    let page = std::fs::read_to_string(page).expect("the page");
+    assert!(page.contains(include_str!("c/ranks_example.c")), "docs/c.md has another example");
+    let program = with_mpi("ranks_example");
+    for ranks in [1, 3] {
+        // The last equation of the ring repeats the others.
+        let (rank, equations) = (2 * ranks - 1, 2 * ranks);
+        let line = format!("rank {rank} of {equations} equations; u = 3 at the last DOF\n");
+        assert_eq!(on_ranks(&program, ranks), line);
+    }
+}
+
+/// The lines of the program that begin with this word, sorted, without the word.
+fn lines_of(text: &str, word: &str) -> Vec<String> {
+    let mut lines: Vec<String> = text.lines().filter_map(|line| line.strip_prefix(word)).map(str::to_owned).collect();
+    lines.sort();
+    lines
+}
+
+#[test]
+fn ranks_find_what_one_process_finds() {
+    let program = with_mpi("ranks");
+    for ranks in [1, 3, 4] {
+        let text = on_ranks(&program, ranks);
+        let (serial, distributed) = (lines_of(&text, "serial: "), lines_of(&text, "ranks: "));
+        // 31 kinds and 28 slaves; T and G are printed to the last bit.
+        assert_eq!(serial.len(), 59, "{text}");
+        assert_eq!(distributed, serial, "{ranks} ranks");
     }
 }
 

@@ -65,7 +65,15 @@ impl DistributedElimination {
     /// # Errors
     /// As [`analyse`]; [`Error::Conflicting`] if equations contradict one another. The same on all ranks.
     pub fn new(ranks: &dyn Ranks, share: &Share, options: &Options) -> Result<Self, Error> {
-        let analysis = analyse(ranks, share, options)?;
+        Self::from_analysis(ranks, share, analyse(ranks, share, options)?)
+    }
+
+    /// Solves the equations of an [`analyse`] of the same share for slaves. Collective.
+    ///
+    /// # Errors
+    /// [`Error::Conflicting`] if equations contradict one another; [`Error::Failed`] if a rank could not store T, G and g. The same on all
+    /// ranks.
+    pub fn from_analysis(ranks: &dyn Ranks, share: &Share, analysis: Analysis) -> Result<Self, Error> {
         refuse_conflicts(ranks, share, &analysis)?;
         let local = local::LocalDofs::new(ranks, share, &analysis);
         let elimination = local.elimination(&analysis).map_err(|failure| failure.on(ranks.rank()));
@@ -101,6 +109,11 @@ impl DistributedElimination {
     /// rank ([`Elimination::condensed`]). The unknowns are [`Elimination::masters`], and the prescribed DOFs if they are kept.
     pub fn local(&self) -> &Elimination {
         &self.elimination
+    }
+
+    /// T, G and g on the local DOFs, for callers that keep nothing else.
+    pub fn into_local(self) -> Elimination {
+        self.elimination
     }
 
     /// Gathers u_q of all local masters from the ranks that own them. Calls `work` during the transfer. Collective.
