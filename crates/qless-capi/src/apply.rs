@@ -160,7 +160,6 @@ pub unsafe extern "C" fn qless_reactions(
 
 #[cfg(test)]
 mod tests {
-
     use qless::{Form, Options, SystemBuilder, analyse};
 
     use super::*;

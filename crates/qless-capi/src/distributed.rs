@@ -197,8 +197,9 @@ pub unsafe extern "C" fn qless_distributed_explanation(
         if row >= rows {
             return Err(CallFailure::input(format!("row {row}, counted from 0: this rank gave {rows} equations")));
         }
-        let dependent = held.analysis.dependent().iter().find(|dependent| dependent.equation == row);
-        let terms = dependent.map_or(&[][..], |dependent| &dependent.because);
+        let dependent = held.analysis.dependent();
+        let found = dependent.binary_search_by_key(&row, |dependent| dependent.equation);
+        let terms = found.map_or(&[][..], |k| &dependent[k].because);
         // SAFETY: the caller upholds the contract, here and below.
         if unsafe { has_room(terms.len(), room, "count", count) }? {
             let needed = terms.len() as i64;
