@@ -53,13 +53,14 @@ pub fn output(program: &Program, input: &str) -> String {
     run(Command::new(&program.path), &program.path, input)
 }
 
-/// Runs a program on MPI ranks, also as root and on fewer cores, as in containers.
+/// Runs a program on MPI ranks behind a command such as `valgrind`, also as root and on fewer cores, as in containers.
 #[allow(dead_code, reason = "not every test has ranks")]
-pub fn on_ranks(program: &Program, ranks: usize) -> String {
+pub fn on_ranks(command_before: &[&str], program: &Program, ranks: usize) -> String {
     let mut command = Command::new("mpirun");
     command.env("OMPI_ALLOW_RUN_AS_ROOT", "1").env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1");
     command.env("OMPI_MCA_rmaps_base_oversubscribe", "1").env("OMPI_MCA_btl_vader_single_copy_mechanism", "none");
-    command.env("OPENBLAS_NUM_THREADS", "1").args(["-n", &ranks.to_string()]).arg(&program.path);
+    command.env("OPENBLAS_NUM_THREADS", "1").args(["-n", &ranks.to_string()]);
+    command.args(command_before).arg(&program.path);
     run(command, &program.path, "")
 }
 
