@@ -1,7 +1,5 @@
 //! Rotations of references that nothing holds: ccx ends with a singular matrix exactly where that is said.
 
-use std::fmt::Write;
-
 use super::loss::bars;
 use super::solver::{SINGULAR, is_there, parse, run};
 
@@ -34,11 +32,12 @@ fn ccx_stops_where_a_rotation_is_free() {
             }
             for range in ["1,3", "1,1", "2,3"] {
                 for held in ["", "*BOUNDARY\n300,6\n", "*BOUNDARY\n300,4,6\n"] {
-                    let mut card = format!(
-                        "*SURFACE, NAME=N, TYPE=NODE\n{nodes}*COUPLING, REF NODE=300, SURFACE=N, CONSTRAINT NAME=C\n"
-                    );
-                    write!(card, "*KINEMATIC\n{range}\n").expect("text");
-                    decks.push(deck(reference, &card, held));
+                    let surface = format!("*SURFACE, NAME=N, TYPE=NODE\n{nodes}");
+                    let axes = "*ORIENTATION, NAME=OR\n1,0,0,0,1,0\n";
+                    for (axes, name) in [("", ""), (axes, ", ORIENTATION=OR")] {
+                        let card = format!("*COUPLING, REF NODE=300, SURFACE=N, CONSTRAINT NAME=C{name}\n*KINEMATIC");
+                        decks.push(deck(reference, &format!("{surface}{axes}{card}\n{range}\n"), held));
+                    }
                 }
             }
             for text in decks {

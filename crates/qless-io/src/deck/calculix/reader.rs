@@ -56,7 +56,7 @@ struct CalculixReader {
     forces: Vec<(u32, u32, u32)>,
     mean_rotations: Vec<MeanRotation>,
     bodies: Vec<ReadBody>,
-    /// Reference, file and line of the kinematic couplings.
+    /// Reference, file and line of the kinematic couplings in global axes. Others never make ccx stop.
     couplings: Vec<ReadBody>,
     /// `*CYCLIC SYMMETRY MODEL` cards, and the ties that they may use.
     sectors: Vec<KeywordCard>,
@@ -183,7 +183,7 @@ impl CalculixReader {
         let Some(coupling) = &self.coupling else { return Ok(()) };
         self.open_coupling = None;
         let constrains = coupling::read(card, coupling, &mut self.model, &self.definitions, self.solver)?;
-        if constrains && card.is("*KINEMATIC") {
+        if constrains && card.is("*KINEMATIC") && coupling.orientation.is_none() {
             let body = BodyReference::with_rotations(coupling.reference(&self.definitions).unwrap_or_default());
             self.couplings.push(ReadBody { body, file: card.file, line: card.line });
         }

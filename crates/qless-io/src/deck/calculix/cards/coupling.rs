@@ -22,7 +22,7 @@ pub struct CouplingCard {
     scope: Scope,
     reference: String,
     surface: String,
-    orientation: Option<String>,
+    pub(in crate::deck::calculix) orientation: Option<String>,
     /// Radius of influence: nodes farther from the reference are not coupled.
     radius: Option<String>,
 }
