@@ -12,6 +12,7 @@ mod calculix {
     pub mod cleaning;
     pub mod cube;
     pub mod expanded;
+    pub mod expanded_rotations;
     pub mod free_rotations;
     pub mod geometric;
     pub mod loss;

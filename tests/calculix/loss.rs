@@ -42,6 +42,11 @@ impl Printed {
         Self(numbers.chunks_exact(4).map(|row| (row[0] as u32, [row[1], row[2], row[3]])).collect())
     }
 
+    /// The displacement of the first node.
+    pub fn first(&self) -> [f64; 3] {
+        self.0[0].1
+    }
+
     /// A translation; rotations of references are prescribed as zero.
     fn value(&self, dof: Dof) -> f64 {
         let row = self.0.iter().find(|(node, _)| *node == dof.node);

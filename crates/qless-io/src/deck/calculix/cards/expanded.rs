@@ -6,17 +6,20 @@
 //!
 //! | constraint | ccx 2.20 |
 //! | --- | --- |
-//! | a rotation | replaces it by mean rotations or by a rigid body, or ignores it, or stops |
+//! | a rotation, but for the prescribed ones of [`HeldRotations`] | replaces it by mean rotations or by a rigid body, or ignores it, or stops |
 //! | `*MPC` | stops, or uses the nodes of the deck |
 //! | component 3 at a plane element | is zero, whatever the equation says |
 //! | `*TIE` with faces of shells | ties the new nodes: see `tie` |
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use rustc_hash::{FxHashMap, FxHashSet};
+
 use crate::deck::calculix::cards::mean_rotation;
 use crate::deck::calculix::model::DeckDefinitions;
 use crate::deck::calculix::model::elements::ElementShape;
-use crate::deck::{Dof, Model, Origin};
+use crate::deck::kinematics::vector::Vector;
+use crate::deck::{Dof, Model, Origin, Prescribed};
 
 const ROTATION: &str = "with equations of their own for rotations";
 const MPC: &str = "with rules of its own for *MPC";
@@ -31,11 +34,12 @@ pub fn leave_out(model: &mut Model, definitions: &DeckDefinitions) {
         return;
     }
     let mut found = Found::new();
+    let held = HeldRotations::new(definitions);
     let mut note = |why, dof, origin| {
         found.entry(why).or_insert_with(|| (origin, dof, BTreeSet::new())).2.insert(dof);
     };
     for given in model.cases.iter().flat_map(|case| &case.prescribed) {
-        if is_rotation(given.dof, definitions) {
+        if is_rotation(given.dof, definitions) && !held.has(given) {
             note(ROTATION, given.dof, given.origin);
         }
     }
@@ -53,6 +57,50 @@ pub fn leave_out(model: &mut Model, definitions: &DeckDefinitions) {
         let text = format!("{} at {name}{more}: ccx expands the elements there into solids {why}: left out", card.name);
         model.leave_out(card.file, origin.line, text);
     }
+}
+
+/// Prescribed rotations that ccx holds by mean rotations, which clash with nothing: zeros at nodes of shells alone, and values at nodes of beams
+/// alone that are all along one global axis. (Of a shell, ccx projects rotations to its plane, which keeps zeros. The equations of other
+/// beams may clash.)
+struct HeldRotations<'a> {
+    definitions: &'a DeckDefinitions,
+    /// The global axis of all beams and trusses at a node; `None` if they have not one axis.
+    axes: FxHashMap<u32, Option<usize>>,
+    /// Nodes whose components are along axes of their own.
+    turned: FxHashSet<u32>,
+}
+
+impl<'a> HeldRotations<'a> {
+    fn new(definitions: &'a DeckDefinitions) -> Self {
+        let mut axes: FxHashMap<u32, Option<usize>> = FxHashMap::default();
+        for bar in definitions.elements().iter().flat_map(|elements| elements.bars()) {
+            let axis = global_axis(bar, definitions);
+            for &node in bar {
+                let of_node = axes.entry(node).or_insert(axis);
+                *of_node = of_node.filter(|_| *of_node == axis);
+            }
+        }
+        Self { definitions, axes, turned: definitions.nodes_with_axes().collect() }
+    }
+
+    fn has(&self, given: &Prescribed) -> bool {
+        let node = given.dof.node;
+        let shapes = self.definitions.expanded_at(node);
+        let are_shells = shapes.iter().all(|shape| shape.is_shell() && shape.rotates && !shape.is_flat);
+        let are_beams = || shapes.iter().all(|shape| !shape.is_shell() && shape.rotates && !shape.is_flat);
+        let has_axis = || self.axes.get(&node).is_some_and(Option::is_some);
+        // Rigid bodies, which nonlinear dynamic steps make instead of mean rotations, may leave the stiffness singular.
+        let is_mean = !self.definitions.is_dynamic && !self.turned.contains(&node);
+        is_mean && (are_shells && given.value == 0.0 || are_beams() && has_axis())
+    }
+}
+
+/// The global axis along which the nodes of a bar are.
+fn global_axis(nodes: &[u32], definitions: &DeckDefinitions) -> Option<usize> {
+    let places: Vec<Vector> = nodes.iter().map(|&node| definitions.position(node)).collect::<Result<_, _>>().ok()?;
+    let varies = |&axis: &usize| places.iter().any(|place| place[axis] != places[0][axis]);
+    let mut varying = (0..3).filter(varies);
+    varying.next().filter(|_| varying.next().is_none())
 }
 
 fn is_rotation(dof: Dof, definitions: &DeckDefinitions) -> bool {

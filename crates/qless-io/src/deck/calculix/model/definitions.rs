@@ -57,6 +57,8 @@ pub struct DeckDefinitions {
     made: RefCell<FxHashMap<u32, Vector>>,
     /// Whether a step is geometrically nonlinear.
     pub is_nonlinear: bool,
+    /// Whether a step integrates over time.
+    pub is_dynamic: bool,
     /// Whether the deck asks for modes of several nodal diameters.
     pub has_diameters: bool,
     /// Estimated number of equations and of their terms, used to reserve memory.
@@ -151,6 +153,7 @@ impl DeckDefinitions {
             b"*ORIENTATION" => _ = self.orientations.insert(key("NAME"), axes(card, "SYSTEM")),
             b"*AMPLITUDE" => self.amplitudes.extend(card.word("NAME")),
             b"*STEP" => self.is_nonlinear |= card.word("NLGEOM").is_some_and(|value| value != "NO"),
+            b"*DYNAMIC" => self.is_dynamic = true,
             b"*SELECTCYCLICSYMMETRYMODES" => self.has_diameters = true,
             b"*EQUATION" => card.data.iter().for_each(|piece| self.count(piece)),
             b"*SYSTEM" => self.system(card),

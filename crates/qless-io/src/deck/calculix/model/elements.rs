@@ -229,6 +229,12 @@ impl MeshElements {
         self.by_number.get(&(scope, own)).copied().ok_or_else(undefined)
     }
 
+    /// The nodes of each beam and truss.
+    pub fn bars(&self) -> impl Iterator<Item = &[u32]> {
+        let bars = self.all.iter().filter(|(shape, ..)| shape.family == ElementFamily::Bar);
+        bars.map(|&(_, start, end)| &self.nodes[start..end])
+    }
+
     /// The nodes of an element.
     pub fn nodes(&self, element: u32) -> &[u32] {
         let (_, start, end) = self.all[element as usize];
