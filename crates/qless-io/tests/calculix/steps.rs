@@ -67,16 +67,17 @@ fn ccx_heeds_op_new_on_the_first_card_of_a_step_only() {
 
 #[test]
 fn values_that_are_not_in_the_deck_are_said_to_be_so() {
+    let said = "values that are not in the deck, such as that of ";
     for source in ["USER", "SUBMODEL, STEP=1"] {
         // Neither of the two values of 5:1 contradicts the other, in any order.
         for cards in ["5,1\n*BOUNDARY\n5,1,1,2.\n", "6,1\n*BOUNDARY\n5,1,1,2.\n*BOUNDARY,USER\n5,1\n"] {
-            let read = brick(Ccx, &format!("*BOUNDARY, {source}\n{cards}"));
-            assert!(
-                read.left_out().all(|one| one.text.contains("values that are not in the deck, such as that of ")),
-                "{}",
-                warnings(&read)
-            );
-            assert!((1..=2).contains(&read.left_out().count()) && read.cases()[0].clashes.is_empty());
+            // They matter where equations have them.
+            for (equation, is_incomplete) in [("", false), ("*EQUATION\n3\n8,1,1.,5,1,-1.,6,1,1.\n", true)] {
+                let read = brick(Ccx, &format!("{equation}*BOUNDARY, {source}\n{cards}"));
+                assert!((1..=2).contains(&warnings(&read).matches(said).count()), "{}", warnings(&read));
+                assert_eq!(read.left_out().count() > 0, is_incomplete, "{}", warnings(&read));
+                assert!(read.left_out().all(|one| one.text.contains(said)) && read.cases()[0].clashes.is_empty());
+            }
         }
     }
 }
@@ -95,9 +96,8 @@ fn fixed_values_are_those_that_the_step_before_reaches() {
     assert_eq!((cases(&first)[0].clone(), first.left_out().count()), (vec!["5:1=0".into(), "6:1=0".into()], 0));
     let unknown = read("", &["", "*BOUNDARY, FIXED\n5,1\n*BOUNDARY\n5,1,1,.2\n", "*BOUNDARY, FIXED\n5,1\n"]);
     assert!(unknown.cases().iter().all(|case| case.clashes.is_empty()));
-    let lines: Vec<u32> = unknown.left_out().map(|one| one.line).collect();
-    assert_eq!(lines.len(), 2, "{}", warnings(&unknown));
-    assert!(warnings(&unknown).contains("values that are not in the deck, such as that of 5:1, count as 0"));
+    let said = "values that are not in the deck, such as that of 5:1, count as 0: no equation has these DOFs";
+    assert_eq!(warnings(&unknown).matches(said).count(), 2, "{}", warnings(&unknown));
 }
 
 #[test]

@@ -230,6 +230,7 @@ impl CalculixReader {
         }
         mean_rotation::choose_slaves(&mut self.model, &self.mean_rotations);
         self.check_nodes()?;
+        self.values.say_unknown(&mut self.model);
         self.warn_of_forces();
         if self.solver == Solver::Ccx {
             body_rotations::check(&mut self.model, &self.definitions, &self.bodies, &self.couplings);

@@ -1,6 +1,6 @@
 //! Keeps the prescribed values and loads that are in force while the cards of a deck are read. Each step inherits those of earlier steps.
 //!
-//! A value that is not in the deck counts as 0, so that its DOF is prescribed, and makes the deck incomplete:
+//! A value that is not in the deck counts as 0, so that its DOF is prescribed. It makes the deck incomplete if equations have the DOF:
 //!
 //! | parameter of `*BOUNDARY` | value |
 //! | --- | --- |
@@ -38,6 +38,8 @@ pub struct StepValues {
     in_step: bool,
     /// What returns after a perturbation step.
     base: Option<InForce>,
+    /// File and line of cards with values that are not in the deck, and their DOFs.
+    unknown: Vec<(u32, u32, BTreeSet<Dof>)>,
 }
 
 impl StepValues {
@@ -130,8 +132,23 @@ impl StepValues {
             let text = "*BOUNDARY of a rate starts from the displacements that the step before reaches, which this reader does not follow";
             model.leave_out(card.file, card.line, text);
         }
-        say_unknown(card, &unknown, model);
+        self.unknown.push((card.file, card.line, unknown));
         Ok(())
+    }
+
+    /// Says which cards have values that are not in the deck, after all equations have been read.
+    pub fn say_unknown(&self, model: &mut Model) {
+        for (file, line, dofs) in &self.unknown {
+            let text = |dof: &Dof, effect| {
+                let name = model.dof_name(*dof);
+                format!("*BOUNDARY: values that are not in the deck, such as that of {name}, count as 0: {effect}")
+            };
+            if let Some(dof) = dofs.iter().find(|dof| model.column(**dof).is_some()) {
+                model.leave_out(*file, *line, text(dof, "what is said of conflicts with them may be wrong"));
+            } else if let Some(dof) = dofs.first() {
+                model.warn(*file, *line, text(dof, "no equation has these DOFs"));
+            }
+        }
     }
 
     /// The DOFs on a card whose values the deck does not have. Sets those of `FIXED` that it has, from what is `reached` before.
@@ -197,13 +214,4 @@ impl StepValues {
         self.now.prescribed.retain(|_, (_, step)| *step == self.steps && self.steps > 0);
         self.now.clashes.retain(|clash| self.now.prescribed.contains_key(&clash.dof));
     }
-}
-
-/// Says that a card has values that are not in the deck.
-fn say_unknown(card: &KeywordCard, unknown: &BTreeSet<Dof>, model: &mut Model) {
-    let Some(name) = unknown.first().map(|dof| model.dof_name(*dof)) else { return };
-    let text = format!(
-        "*BOUNDARY: values that are not in the deck, such as that of {name}, count as 0: what is said of conflicts with them may be wrong"
-    );
-    model.leave_out(card.file, card.line, text);
 }

@@ -6,12 +6,11 @@ use crate::deck::calculix::syntax::KeywordCard;
 use crate::deck::{Dof, Model, Origin, Problem};
 
 /// Keywords of cards that constrain but are not read: without blanks, and in their usual spelling.
-const UNREAD: [(&str, &str); 10] = [
+const UNREAD: [(&str, &str); 9] = [
     ("*PRE-TENSIONSECTION", "*PRE-TENSION SECTION"),
     ("*EMBEDDEDELEMENT", "*EMBEDDED ELEMENT"),
     ("*SHELLTOSOLIDCOUPLING", "*SHELL TO SOLID COUPLING"),
     ("*CONNECTORSECTION", "*CONNECTOR SECTION"),
-    ("*SUBMODEL", "*SUBMODEL"),
     ("*NETWORKMPC", "*NETWORK MPC"),
     ("*MPCUSER", "*MPC USER"),
     ("*RELEASE", "*RELEASE"),
