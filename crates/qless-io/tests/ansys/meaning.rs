@@ -73,6 +73,7 @@ fn values_of_nodes() {
     assert_eq!(values("D,5,UX,3,,,,UY,TEMP\nDDELE,5,UY\n"), ["5:1 3", "5:11 3"]);
     let nodes = "N,1\nN,2\nN,3\nN,4\nN,5\n";
     assert_eq!(values(&format!("{nodes}D,1,UX,3,,5,2\nDDELE,3,ALL\n")), ["1:1 3", "5:1 3"]);
+    assert_eq!(values(&format!("{nodes}D,1,UX,3,,5,2\nD,1,UY\nDDELE,1\n")), ["3:1 3", "5:1 3"]);
     let equation = "CE,1,0,1,UX,1,2,UZ,1\n";
     assert_eq!(values(&format!("{nodes}{equation}D,2,ALL\nD,ALL,UY,1\n"))[..3], ["1:2 1", "2:1 0", "2:2 1"]);
     let group = "CMBLOCK,ENDS,NODE,       3 ! two ends\n(8i10)\n         1         3        -4\n";
@@ -103,6 +104,8 @@ fn selections_of_all() {
     for lost in ["N,1\n/CLEAR\n", "NUMMRG,NODE\n", "NUMMRG,ALL\n", "RESUME,a,db\n", "CDREAD,DB,a,cdb\n"] {
         assert_eq!(deck(lost).model().left_out().count(), 1, "{lost}");
     }
+    // A file that is not read may define what a command names.
+    assert_eq!(deck("CDREAD,DB,a,cdb\nD,END,UX\n").model().left_out().count(), 2);
 }
 
 /// A command reaches the nodes that its component has, and that are defined, where the command stands.

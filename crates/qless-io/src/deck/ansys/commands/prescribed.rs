@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! D,     NODE, Lab, VALUE, VALUE2, NEND, NINC, Lab2, ... Lab6
-//! DDELE, NODE, Lab, NEND, NINC
+//! DDELE, NODE, Lab, NEND, NINC      without Lab: all labels
 //! F,     NODE, Lab, VALUE, VALUE2, NEND, NINC
 //! FDELE, NODE, Lab, NEND, NINC
 //! ```
@@ -106,6 +106,10 @@ fn node_choice(
         ("ALL", SelectedNodes::Unknown) => "the selected nodes, and this reader does not know which these are",
         ("P", _) => "nodes that the user picks interactively",
         _ if nodes.unknown_groups.contains(&group) => "a component of nodes that this reader does not know",
+        // A file that is not read may have defined it.
+        _ if nodes.are_generated && !nodes.groups.contains_key(&group) => {
+            "a component or a parameter that this reader does not know"
+        }
         _ => {
             const EXPECTED: &str = "the number of a node, ALL, or a component that CMBLOCK defines";
             let members = nodes.groups.get(&group).ok_or_else(|| expected(command, 1, EXPECTED))?;
@@ -118,7 +122,8 @@ fn node_choice(
 /// Components of the labels in the fields `at`. For `ALL` the list holds only zeros, which means all components.
 fn components(command: &AnsysCommand, at: &[usize], selection: &NodeSelection) -> Result<ComponentList, Rejection> {
     let mut components = ComponentList::default();
-    if at.iter().any(|&at| command.is(at, "ALL")) {
+    let releases_all = command.key == *b"DDEL" && command.field(2).is_empty();
+    if releases_all || at.iter().any(|&at| command.is(at, "ALL")) {
         let why =
             || format!("{} names the selected labels, and this reader does not know which these are", excerpt(command));
         return if selection.dofs { Ok(components) } else { Err(Rejection::LeftOut(why())) };
