@@ -116,13 +116,20 @@ fn a_slave_without_a_partner_follows_the_face_opposite() {
 #[test]
 fn what_a_sector_cannot_be_read_for_is_left_out_with_its_claims() {
     let on_axis = sector("\nNODES,SECOND", "").replacen("\n1,1.,0.,0.", "\n1,0.,0.,0.", 1);
-    let several = sector("\nNODES,SECOND", "")
-        + "*STEP\n*FREQUENCY\n2\n*SELECT CYCLIC SYMMETRY MODES, NMIN=0, NMAX=2\n*END STEP\n";
-    for text in [on_axis, several] {
+    let equation = "*EQUATION\n2\n1,3,1.,8,3,-1.\n*STEP\n*FREQUENCY\n2\n*SELECT CYCLIC SYMMETRY MODES, NMIN=0, NMAX=2\n*END STEP\n";
+    let several = sector("\nNODES,SECOND", "") + equation;
+    let step = "*STEP\n*STATIC\n*BOUNDARY\n5,1,1,.1\n*END STEP\n";
+    let value = several.replace("*EQUATION\n2\n1,3,1.,8,3,-1.\n", step);
+    for (text, rows) in [(on_axis, 0), (several.clone(), 1), (value, 0)] {
         let model = super::from_text::model(Ccx, &text);
-        assert_eq!((model.equations(), model.left_out().count()), (0, 1));
+        assert_eq!((model.equations(), model.left_out().count()), (rows, 1), "{text}");
         assert_eq!(claimed(&model).len(), 8);
     }
+    // The equations of nodal diameter 0 stand for all where the sides have no others.
+    let alone = several.replace("*EQUATION\n2\n1,3,1.,8,3,-1.\n", "*BOUNDARY\n1,1,3\n5,1,3\n");
+    let model = super::from_text::model(Ccx, &alone);
+    assert_eq!((model.equations(), model.left_out().count()), (12, 0));
+    assert!(warnings(&model).contains("those of nodal diameter 0"));
     let message = super::from_text::refused(Ccx, &sector("\nNODES,SECOND", "").replace(", N=4", ""));
     assert!(message.contains("the parameter N is missing"), "{message}");
 }

@@ -139,7 +139,10 @@ impl CalculixReader {
             b"*BOUNDARY" => self.values.boundary(card, &mut self.model, &self.definitions)?,
             b"*CLOAD" => self.values.load(card, &mut self.model, &self.definitions)?,
             b"*STEP" => {
-                self.cyclic_symmetry()?;
+                // For several nodal diameters, the values of all steps decide whether the equations can be read.
+                if !self.definitions.has_diameters {
+                    self.cyclic_symmetry()?;
+                }
                 self.values.begin_step();
                 if card.parameter("PERTURBATION").is_some() {
                     self.values.perturb(self.solver);
@@ -219,14 +222,14 @@ impl CalculixReader {
 
     fn finish(mut self) -> Result<Model, DeckError> {
         self.check_coupling();
-        self.cyclic_symmetry()?;
-        for card in std::mem::take(&mut self.cyclic) {
-            tie::leave_out(&card, "CYCLIC SYMMETRY", &mut self.model, &self.definitions);
-        }
         self.model.cases.extend(self.values.end_step(&self.removed));
         if self.model.cases.is_empty() {
             let case = self.values.case("model".into(), &self.removed);
             self.model.cases.push(case);
+        }
+        self.cyclic_symmetry()?;
+        for card in std::mem::take(&mut self.cyclic) {
+            tie::leave_out(&card, "CYCLIC SYMMETRY", &mut self.model, &self.definitions);
         }
         mean_rotation::choose_slaves(&mut self.model, &self.mean_rotations);
         self.check_nodes()?;

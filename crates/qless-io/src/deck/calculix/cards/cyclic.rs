@@ -4,6 +4,12 @@
 //!
 //! Slave and master nodes are matched by radius and height. A slave node without a partner is rotated by one sector; it
 //! follows the point on the master's faces that is then nearest.
+//!
+//! For nodal diameter N, the right-hand side has the factor `e^(i N a)`, a the angle of a sector. If no other equation has DOFs of the two
+//! sides, and their prescribed values are zero, then motions of the master side times this factor fulfil the equations exactly where the
+//! motions themselves fulfil those of nodal diameter 0: what is redundant, and why, is the same for all N.
+
+use std::collections::BTreeSet;
 
 use crate::deck::calculix::cards::unread::claim;
 use crate::deck::calculix::cards::{CardEquation, RegisteredCard, tie};
@@ -14,7 +20,7 @@ use crate::deck::kinematics::axes::Frame;
 use crate::deck::kinematics::body::Poses;
 use crate::deck::kinematics::project::{FaceGrid, MasterFace};
 use crate::deck::kinematics::vector::{Vector, dot, length, minus, plus, scaled};
-use crate::deck::{DeckError, Model, Problem};
+use crate::deck::{DeckError, Dof, Model, Problem};
 use crate::fault::quote;
 
 /// Default for the largest distance between a slave node and its partner, relative to the size of the slave side.
@@ -33,12 +39,17 @@ pub fn read(
     place.mark_irreplaceable(model);
     let sector = Sector::new(card, tie, definitions);
     let sector = sector.map_err(|problem| place.fail(model, problem))?;
-    let rows = if definitions.has_diameters { None } else { sector.rows().map_err(|p| place.fail(model, p))? };
+    let is_complex = definitions.has_diameters && !sector.is_alone(model);
+    let rows = if is_complex { None } else { sector.rows().map_err(|p| place.fail(model, p))? };
     if let Some(rows) = rows {
+        if definitions.has_diameters {
+            let text = "the equations are those of nodal diameter 0; those of others have complex factors, which change no verdict";
+            model.warn(card.file, card.line, format!("*CYCLIC SYMMETRY MODEL: {text}"));
+        }
         return place.push(model, Ok(rows));
     }
-    let why = if definitions.has_diameters {
-        "modes of several nodal diameters have complex equations"
+    let why = if is_complex {
+        "modes of several nodal diameters have complex equations, and its sides have other equations or values"
     } else {
         "nodes of the slave side lie on the axis or have no partner on the master side"
     };
@@ -78,6 +89,17 @@ impl<'a> Sector<'a> {
         let tolerance = given.map_or_else(|| size(definitions, &slaves).map(|size| TOLERANCE * size), Ok)?;
         let angle = std::f64::consts::TAU / count;
         Ok(Self { definitions, axis, angle, slaves, masters, faces, tolerance })
+    }
+
+    /// Whether no equation that has been read has DOFs of the two sides, they have no node in common, and their prescribed values are zero.
+    fn is_alone(&self, model: &Model) -> bool {
+        let sides: BTreeSet<u32> = self.slaves.iter().chain(&self.masters).copied().collect();
+        let is_apart = sides.len() == self.slaves.len() + self.masters.len();
+        let has_equation = |&node: &u32| (1..=3).any(|component| model.column(Dof { node, component }).is_some());
+        let mut given = model.cases.iter().flat_map(|case| &case.prescribed);
+        is_apart
+            && !sides.iter().any(has_equation)
+            && !given.any(|given| given.value != 0.0 && sides.contains(&given.dof.node))
     }
 
     /// The equations of all slaves. `None` if a slave lies on the axis, or has neither a partner nor a master face nearby.
