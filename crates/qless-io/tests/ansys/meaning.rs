@@ -106,6 +106,11 @@ fn selections_of_all() {
     }
     // A file that is not read may define what a command names.
     assert_eq!(deck("CDREAD,DB,a,cdb\nD,END,UX\n").model().left_out().count(), 2);
+    // Values of unknown nodes matter where there are equations.
+    for (equation, left_out) in [("", 0), ("CE,1,0,1,UX,1,2,UX,1\n", 3), ("CEINTF\n", 4)] {
+        let deck = deck(&format!("NSEL,S,LOC,X,0\nD,ALL,UX\nDSYM,SYMM,X\nDL,1,,UX\n{equation}"));
+        assert_eq!((deck.model().left_out().count(), warnings(&deck).len()), (left_out, left_out.max(3)), "{equation}");
+    }
 }
 
 /// A command reaches the nodes that its component has, and that are defined, where the command stands.
@@ -177,7 +182,7 @@ fn what_is_not_understood_is_named() {
         ("CPINTF,ALL\n", "1: CPINTF constrains"),
         ("CPCYC,ALL\n", "1: CPCYC constrains"),
         ("CYCLIC\n", "1: CYCLIC constrains"),
-        ("DSYM,SYMM,X\n", "1: DSYM constrains"),
+        ("DSYM,SYMM,X\n", "1: DSYM prescribes values"),
         ("/INPUT,more,inp\n", "1: /INPUT is not followed"),
         ("mymacro,1\n", "1: MYMACRO is not known to this reader"),
         ("CE,1,0,1,UX,1\n*REPEAT,4,1\n", "2: *REPEAT is not followed"),
@@ -212,8 +217,16 @@ fn what_is_not_understood_is_named() {
         let found = warnings(&deck);
         assert!(found.len() == 1 && found[0].starts_with(warning), "{text:?}: {found:?}");
         // What is only said about something that was read, or may be no matter, does not make the model incomplete.
-        let only_said =
-            ["MYMACRO", "table", "imaginary", "more than once", "and becomes", "which is not defined", "no terms"];
+        let only_said = [
+            "MYMACRO",
+            "table",
+            "imaginary",
+            "more than once",
+            "and becomes",
+            "which is not defined",
+            "no terms",
+            "no equation has",
+        ];
         let leaves_out = !only_said.iter().any(|word| found[0].contains(word));
         assert_eq!(deck.model().left_out().count(), usize::from(leaves_out), "{found:?}");
     }

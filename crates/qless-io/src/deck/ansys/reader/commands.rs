@@ -9,6 +9,7 @@ use crate::deck::ansys::model::selection::SelectedNodes;
 use crate::deck::ansys::syntax::command::{AnsysCommand, CommandKey};
 use crate::deck::ansys::syntax::control::{Execution, TextPosition};
 use crate::deck::ansys::syntax::field::FieldFault;
+use crate::deck::ansys::syntax::known::CommandEffect;
 use crate::deck::{DeckError, Origin};
 
 impl AnsysReader {
@@ -98,10 +99,15 @@ impl AnsysReader {
 
     /// Leaves out a command that constrains, and the equation or set that it belongs to.
     fn leave_out_command(&mut self, command: &AnsysCommand, text: String) {
+        let prescribes =
+            matches!(&command.key, b"D   " | b"DDEL") || self.effect(command.key) == CommandEffect::Prescribes;
+        if prescribes {
+            self.values_left_out.push((command.line, text));
+            return;
+        }
         match &command.key {
             b"CE  " | b"CECM" => self.equations.leave_out(command),
             b"CP  " => self.coupled.leave_out(command),
-            b"D   " | b"DDEL" => {}
             _ => self.made.unread = true,
         }
         self.note(command.line);
@@ -114,7 +120,7 @@ impl AnsysReader {
             b"CERI" | b"RBE3" => self.region(command)?,
             b"D   " | b"DDEL" => match dof_command(command, &self.nodes, &self.selection) {
                 Ok(read) => self.dof_command(command, read),
-                Err(Rejection::LeftOut(why)) => self.leave_out(command.line, format!("{why}: left out")),
+                Err(Rejection::LeftOut(why)) => self.values_left_out.push((command.line, format!("{why}: left out"))),
                 Err(Rejection::Fault(fault)) => return Err(fault),
             },
             b"F   " | b"FDEL" => match load(command, &self.nodes, &self.selection) {

@@ -72,6 +72,8 @@ pub struct AnsysReader {
     pub parameters: ApdlParameters,
     pub control: FlowControl,
     pub made: EquationsMade,
+    /// Lines of commands that prescribe values and are left out, with the reason.
+    values_left_out: Vec<(u32, String)>,
     /// Whether a command needs the positions of nodes although the reader did not keep them.
     pub needs_positions: bool,
     /// Whether the previous command constrains: then `*REPEAT` would repeat a constraint.
@@ -139,6 +141,7 @@ impl AnsysReader {
             let text = "*DO, *IF or *CREATE is never closed: constraints that it may still make are left out";
             self.leave_out(line, text.to_owned());
         }
+        self.say_values_left_out();
         if self.unread.omitted > 0 {
             let text = format!("and {} more warnings", self.unread.omitted);
             if self.unread.leaves_out {

@@ -103,6 +103,10 @@ impl AnsysReader {
                     format!("{title} constrains, but this reader does not support it: left out"),
                 );
             }
+            CommandEffect::Prescribes => {
+                let text = format!("{title} prescribes values, but this reader does not support it: left out");
+                self.values_left_out.push((command.line, text));
+            }
             CommandEffect::ReadsOthers if command.key == *b"*REP" && !self.constrained => {}
             CommandEffect::ReadsOthers => {
                 (self.nodes.are_generated, self.made.unread) = (true, true);
@@ -122,10 +126,10 @@ impl AnsysReader {
     /// Whether a command makes or changes constraints.
     pub fn constrains(&mut self, key: CommandKey) -> bool {
         let read = [b"CE  ", b"CECM", b"CEDE", b"CP  ", b"CPDE", b"D   ", b"DDEL", b"CERI", b"RBE3"];
-        read.contains(&&key) || self.effect(key) == CommandEffect::Constrains
+        read.contains(&&key) || matches!(self.effect(key), CommandEffect::Constrains | CommandEffect::Prescribes)
     }
 
-    fn effect(&mut self, key: CommandKey) -> CommandEffect {
+    pub fn effect(&mut self, key: CommandKey) -> CommandEffect {
         *self.unread.effects.entry(key).or_insert_with(|| effect(key))
     }
 
@@ -144,6 +148,19 @@ impl AnsysReader {
         } else {
             self.unread.omitted += 1;
             self.unread.leaves_out = true;
+        }
+    }
+
+    /// Says which commands that prescribe values are left out. Without equations nothing can be redundant, and a later value replaces an
+    /// earlier one, so that the model lacks nothing that matters.
+    pub fn say_values_left_out(&mut self) {
+        let matter = self.made.line > 0 || self.made.unread;
+        for (line, text) in std::mem::take(&mut self.values_left_out) {
+            if matter {
+                self.leave_out(line, text);
+            } else {
+                self.warn(line, format!("{text}; no equation has its DOFs"));
+            }
         }
     }
 

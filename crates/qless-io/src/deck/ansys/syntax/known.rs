@@ -7,6 +7,8 @@ use super::command::CommandKey;
 pub enum CommandEffect {
     /// The command makes or changes constraints.
     Constrains,
+    /// The command prescribes values, on lines of the solid model or on planes of symmetry.
+    Prescribes,
     /// The command generates nodes.
     MakesNodes,
     /// The command reads other files, or makes ANSYS execute other commands.
@@ -16,10 +18,12 @@ pub enum CommandEffect {
     Unknown,
 }
 
-/// Commands that make or change constraints: interfaces, symmetry, copies of equations, constraints of the solid model, merged nodes and
-/// the like.
-const CONSTRAIN: &str = "CEIN CECY CESG CPIN CPLG CPSG CPNG CPCY CPME DSYM DK DL DA DJ DTRA SBCT DSCA DFLX DVAL \
+/// Commands that make or change constraints: interfaces, copies of equations, merged nodes and the like.
+const CONSTRAIN: &str = "CEIN CECY CESG CPIN CPLG CPSG CPNG CPCY CPME DJ DSCA DFLX DVAL \
     CBDO CYCL CYCO PSME SLOA NUMM DCVS DSUR EMBE MCFO ELBO";
+
+/// Commands that prescribe values.
+const PRESCRIBE: &str = "DSYM DK DL DA DTRA SBCT";
 
 /// Commands that generate or copy nodes and meshes.
 const NODES: &str = "NGEN FILL NSYM NREA NDIS KMES LMES AMES VMES FVME IMES VSWE VDRA VROT VEXT EXTO EGEN EINT ESUR ENGE NKPT \
@@ -56,6 +60,7 @@ pub fn effect(key: CommandKey) -> CommandEffect {
     let among = |list: &str| list.split_ascii_whitespace().any(|known| known.as_bytes() == name);
     match name.first() {
         _ if among(CONSTRAIN) => CommandEffect::Constrains,
+        _ if among(PRESCRIBE) => CommandEffect::Prescribes,
         _ if among(OTHERS) => CommandEffect::ReadsOthers,
         _ if among(NODES) => CommandEffect::MakesNodes,
         Some(b'/' | b'*' | b':') => CommandEffect::Nothing,
@@ -72,7 +77,7 @@ mod tests {
     fn four_letters_identify_commands() {
         for (key, expected) in [
             (b"CEIN", CommandEffect::Constrains),
-            (b"DL  ", CommandEffect::Constrains),
+            (b"DL  ", CommandEffect::Prescribes),
             (b"NGEN", CommandEffect::MakesNodes),
             (b"/INP", CommandEffect::ReadsOthers),
             (b"*GO ", CommandEffect::ReadsOthers),
