@@ -20,6 +20,7 @@ on_each_backend!(
     conflicts_come_and_go,
     prescribed_values_contradict_and_agree,
     a_kept_equation_still_wins,
+    what_is_preferred_holds_for_new_values,
     a_replaced_equation_stays_redundant,
     large_sides_hide_no_conflict,
     stated_errors_of_new_sides_count,
@@ -159,10 +160,9 @@ fn prescribed_values_contradict_and_agree(backend: BackendChoice) {
     }
 }
 
-/// If an equation is to be kept, another one conflicts, and g satisfies the kept one. No DOF is prescribed, because C u = b would
-/// then hold for those values only.
+/// If an equation is to be kept, another one conflicts, and g satisfies the kept one.
 fn a_kept_equation_still_wins(backend: BackendChoice) {
-    for (seed, system) in systems().iter().filter(|system| system.prescribed().is_empty()).enumerate().take(3) {
+    for (seed, system) in systems().iter().enumerate().take(6) {
         let wanted: Vec<usize> = (0..system.equations()).rev().step_by(3).collect();
         let masters: Vec<usize> = (0..system.dofs()).step_by(2).collect();
         for preferences in [
@@ -178,6 +178,60 @@ fn a_kept_equation_still_wins(backend: BackendChoice) {
             }
         }
     }
+}
+
+/// A small system with combinations of its equations, with coefficients over `decades` decades, or small integers for 0 decades; the
+/// equations and masters that are preferred.
+fn with_preferences(seed: u64, decades: usize) -> (ConstraintSystem, Preferences) {
+    let mut rng = Rng::new(seed);
+    let (n, m) = (3 + rng.below(10), 1 + rng.below(3));
+    let mut value = |rng: &mut Rng| match (rng.below(3), decades) {
+        (0, _) => 0.0,
+        (_, 0) => rng.below(7) as f64 - 3.0,
+        _ => random(rng) * 10_f64.powi(rng.below(decades + 1) as i32 - decades as i32 / 2),
+    };
+    let mut rows: Vec<Vec<f64>> = (0..m).map(|_| (0..n).map(|_| value(&mut rng)).collect()).collect();
+    for _ in 0..1 + rng.below(2) {
+        let (a, b) = (rng.below(m), rng.below(m));
+        let combination = rows[a].iter().zip(&rows[b]).map(|(x, y)| 2.0 * x - y).collect();
+        rows.insert(rng.below(rows.len() + 1), combination);
+    }
+    let mut builder = SystemBuilder::new(n);
+    for row in &rows {
+        builder.equation(row.iter().copied().enumerate().filter(|(_, v)| *v != 0.0), 0.0);
+    }
+    (0..n).filter(|_| rng.below(4) == 0).for_each(|j| builder.prescribe(j, 0.0));
+    let mut some = |count: usize| (0..count).filter(|_| rng.below(2) == 0).collect();
+    let preferences = Preferences { equations: some(rows.len()), masters: some(n), ..Preferences::default() };
+    (builder.build().expect("valid"), preferences)
+}
+
+/// A refresh is accepted where a fresh run has a reduction, and its g leaves residuals as small.
+fn what_is_preferred_holds_for_new_values(backend: BackendChoice) {
+    let mut replaced = 0;
+    for seed in 0..600 {
+        let (system, preferences) = with_preferences(seed, [0, 3, 6, 12][seed as usize % 4]);
+        for options in settings(backend) {
+            let options = Options { preferences: preferences.clone(), ..options };
+            let analysis = diagnose(&system, &options);
+            let (rhs, values) = consistent(&system, seed);
+            let fresh = diagnose(&with(&system, &rhs, &values), &options);
+            let kinds = |analysis: &Analysis| -> Vec<bool> {
+                analysis.kinds().iter().map(|&kind| kind == Kind::Independent).collect()
+            };
+            if kinds(&analysis) != kinds(&fresh) || fresh.reduction().is_err() {
+                continue;
+            }
+            let first = diagnose(&system, &Options { preferences: Preferences::default(), ..options.clone() });
+            replaced += usize::from(kinds(&first) != kinds(&analysis) && !values.is_empty());
+            let Ok(mut reduction) = analysis.reduction() else { continue };
+            let refreshed = Refresher::new(analysis).expect("factored").refresh(&rhs, &values, &mut reduction);
+            assert!(refreshed.is_ok(), "{seed}: {refreshed:?} {system:?} {preferences:?}");
+            let residual = fresh.residual(&reduction).expect("the same DOFs");
+            assert!(residual <= 1e-13, "{seed}: {residual:e} {system:?} {preferences:?}");
+        }
+    }
+    assert!(replaced > 50, "{replaced}");
 }
 
 /// A large right-hand side hides nothing about an equation that was replaced by a preferred one.

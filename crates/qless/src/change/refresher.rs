@@ -11,7 +11,6 @@
 //!
 //! T, G, the slaves and the independent equations depend on C only and do not change.
 
-use std::collections::HashSet;
 use std::sync::Arc;
 
 use super::replay::{BlockSolver, Replay};
@@ -25,13 +24,12 @@ use crate::diagnosis::proof::are_sides_contradicted;
 use crate::diagnosis::refined::SolveKept;
 use crate::factor::backend::BackendError;
 use crate::factor::backend::many::Slab;
-use crate::input::components::Labels;
 use crate::input::noise::of_right_hand_sides;
 use crate::input::numbering::LocalSystem;
 use crate::input::scale::ldexp;
 use crate::presolve::basis::Basis;
 use crate::presolve::eliminated::Mismatch;
-use crate::reduction::residual_check;
+use crate::reduction::retry::{self, Terms};
 use crate::{Analysis, ArgumentError, ConstraintSystem, Effort, Reduction, ReductionError};
 
 /// A sum below this, relative to its largest term, is rounding.
@@ -150,8 +148,7 @@ impl Refresher {
         let values: Vec<_> = self.local().prescribed_places().map(|(l, place)| (l, prescribed[place])).collect();
         let local = numbering.view(self.system(), rhs).with_prescribed(&values);
         let noise = of_right_hand_sides(local, &scaling.row, &options.noise);
-        let agreeing;
-        let mut replay = Replay::with_noise(&self.analysis, rhs, prescribed, noise.as_deref());
+        let replay = Replay::with_noise(&self.analysis, rhs, prescribed, noise.as_deref());
         let rule = MismatchRule::new(local, scaling, options);
         let mut found: Vec<Dependent> = dependent.iter().map(|d| self.classify(d, &replay, &rule)).collect();
         if noise.is_none() && !options.tolerance.is_absolute() {
@@ -159,16 +156,6 @@ impl Refresher {
             hidden_conflicts::find(&mut found, &mut RandomKeys::default(), self, distances, &rule);
         }
         let confidence = self.confidence(&found, &rule);
-        // These equations were dropped in favour of others. As in the analysis, they must not change g if they conflict.
-        let given = dependent.iter().map(|d| matches!(d.source, Source::Given(_)));
-        let overruled = found.iter().zip(given).filter(|(d, given)| *given && d.kind == Kind::Conflicting);
-        let excess: Vec<_> = overruled.map(|(d, _)| (d.row, d.mismatch)).collect();
-        if !excess.is_empty() {
-            let mut lowered = rhs.to_vec();
-            excess.iter().for_each(|&(row, excess)| lowered[row] -= excess);
-            agreeing = lowered;
-            replay = Replay::new(&self.analysis, &agreeing, prescribed);
-        }
         self.write(&replay, reduction)?;
         let mut kinds = vec![Kind::Independent; rhs.len()];
         found.iter().for_each(|d| kinds[d.row] = d.kind);
@@ -258,30 +245,14 @@ impl Refresher {
         u
     }
 
-    /// Writes `g = u_s - T u_q`, with a step of refinement if residuals are large; restores the old g if the residuals stay too large.
+    /// Writes `g = u_s - T u_q`, checked as in a new reduction; restores the old g if the residuals stay too large.
     fn write(&self, replay: &Replay, reduction: &mut Reduction) -> Result<(), RefreshError> {
         let new = self.explicit(replay, reduction);
         let old = std::mem::replace(&mut reduction.g, new);
         let sides = self.write_factored(replay, reduction);
         let local = self.analysis.numbering.view(self.system(), replay.rhs);
         let independent = self.analysis.independent();
-        let residuals = |reduction: &Reduction| {
-            residual_check::residuals_of_g(local, reduction, &independent, &self.analysis.scaling)
-        };
-        let mut found = residuals(reduction);
-        if !found.above.is_empty() {
-            let mut u = vec![0.0; self.system().dofs()];
-            reduction.slaves.iter().zip(&reduction.g).for_each(|(&j, &g)| u[j] = g);
-            let mut rest = self.rest(replay.rhs, &independent, |l| u[self.analysis.numbering.dofs[l] as usize]);
-            // Components whose residuals are small keep their g to the last bit.
-            let labels = Labels::of(local);
-            let large: HashSet<u32> = found.above.iter().map(|&(row, _)| labels.of_row[row]).collect();
-            rest.iter_mut().zip(&labels.of_row).filter(|(_, label)| !large.contains(label)).for_each(|(r, _)| *r = 0.0);
-            let correction = self.explicit(&Replay::new(&self.analysis, &rest, &[]), reduction);
-            reduction.g.iter_mut().zip(correction).for_each(|(g, c)| *g += c);
-            found = residuals(reduction);
-        }
-        residual_check::pass(&found, reduction).inspect_err(|_| {
+        retry::checked(reduction, local, Terms::Constants, &self.analysis.rules(&independent)).inspect_err(|_| {
             reduction.g = old;
             reduction.factored.iter_mut().zip(sides).for_each(|(block, side)| block.rhs = side);
         })?;

@@ -3,7 +3,7 @@
 use crate::Analysis;
 use crate::factor::backend::BackendError;
 use crate::factor::block::Block;
-use crate::factor::lu;
+use crate::factor::lu::{self, LuError};
 use crate::factor::solver::SlaveSolver;
 use crate::input::numbering::LocalSystem;
 use crate::input::scale::{Scaling, ldexp};
@@ -109,8 +109,12 @@ impl BlockSolver {
         let matrix = block.select(&rows);
         let order: Vec<usize> = kept.order.iter().map(|&i| i as usize).collect();
         let may = may_be_slaves(block, kept, memory)?;
-        let lu = lu::factor(&matrix, &order, |j| may[j], memory)
-            .map_err(|error| error.of_block("refresher", &matrix, memory))?;
+        // Any solution of the rows gives g. If LU finds the columns of the reduction's slaves dependent, it chooses among all DOFs.
+        let lu = match lu::factor(&matrix, &order, |j| may[j], memory) {
+            Err(LuError::Dependent) => lu::factor(&matrix, &order, |_| true, memory),
+            lu => lu,
+        };
+        let lu = lu.map_err(|error| error.of_block("refresher", &matrix, memory))?;
         let slave = |&j: &u32| (block.dofs[j as usize], scaling.col(block.dofs[j as usize] as usize));
         let slaves = lu.slaves.iter().map(slave).collect();
         let exponents = rows.iter().map(|&i| block.exponents[i]).collect();

@@ -1,11 +1,12 @@
 //! The stages in order: equations, scaling, presolve, blocks, backend, classification.
 //!
 //! ```text
-//! Numbering -> Scaling -> Pipeline::run_verified -> keep_preferred -> generated -> Analysis
+//! Numbering -> Scaling -> Pipeline::run_verified -> generated -> Analysis
 //!
 //! run_verified   run_stages, probe the kept rows
 //!                doubtful components?  run_stages again; these components go to the backend instead of presolve, or the other way round
 //!                presolve keeps more rows of a component than the backend?  presolve's rank is used
+//!                other equations should be kept?  run_verified again without those that they replace
 //!
 //! run_stages     peel -> gather -> eliminate -> Block::gather -> diagnose -> classify
 //! ```
@@ -18,13 +19,13 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use super::certificate::History;
-use super::classify::{Dependent, Kind, MismatchRule, classify};
-use super::confidence::{CLEAR_MISMATCH, Confidence, Doubt};
-use super::consistent::{not_redundant, to_give_up};
+use super::classify::{Dependent, MismatchRule, classify};
+use super::confidence::{Confidence, Doubt};
+use super::consistent::{as_combinations, is_worse, to_give_up};
 use super::distance::CoreDistance;
 use super::nullspace_probe::{InverseEstimate, NullspaceProbe, ProbeSample, RandomKeys, is_far, probe, random_sides};
 use super::pass_result::{PassResult, groups, statistics};
-use super::preferred_equations::keep_preferred;
+use super::preferred_equations::{exchanged, has_another_rank};
 use super::{Analysis, AnalysisError, confidence, generated, hidden_conflicts};
 use crate::factor::backend::BackendError;
 use crate::factor::block::triangle::Triangle;
@@ -78,38 +79,21 @@ pub(super) fn read(
         started,
     };
     let first = pipeline.run_verified(options.presolve)?;
-    let given_up = to_give_up(&first.pass, &rule, &options.preferences.equations);
-    let (verified, given_up) = pipeline.without(given_up, first, options.presolve)?;
+    let wanted = &options.preferences.equations;
+    let given_up = to_give_up(&first.pass, &rule, wanted);
+    let list = |gone: &BTreeSet<usize>, pass: &PassResult| as_combinations(gone, pass, &rule, backend.as_ref());
+    let (verified, given_up) = pipeline.without(given_up, first, options.presolve, list, is_worse)?;
     let pipeline = Pipeline { absent: &given_up, ..pipeline };
-    let VerifiedPass { mut pass, held_back, confidence } = verified;
-    let kept = keep_preferred(&options.preferences.equations, &mut pass.dependent, &pass.history, &rule);
-    let mut rhs = system.rhs().to_vec();
-    if !kept.overruled.is_empty() {
-        // Preferred equations have replaced equations that contradict them, but the basis was computed from the replaced ones. So the
-        // stages run again, with right-hand sides of the replaced equations that agree with the preferred ones.
-        kept.overruled.iter().for_each(|&(i, excess)| rhs[i] -= excess);
-        let agreeing = Pipeline { local: numbering.view(&system, &rhs), ..pipeline };
-        let agreed = agreeing.run_stages(&held_back)?;
-        pass.particular = generated::particular(&agreed.kept(agreeing.local, &scaling));
-        (pass.basis, pass.blocks) = (agreed.basis, agreed.blocks);
-        pass.blocks.iter_mut().for_each(Block::restore_units);
-        let (sample, bound) = (ProbeSample::First, InverseEstimate::Bound);
-        pass.probe = probe(local, &pass.basis, &agreed.history, &scaling, &pass.keys, sample, bound);
-    }
+    let exchanged = exchanged(wanted, &verified.pass, &rule);
+    let list = |gone: &BTreeSet<usize>, _: &PassResult| Ok(gone.iter().map(|row| exchanged[row].clone()).collect());
+    let rows = exchanged.keys().copied().collect();
+    let is_worse = |before: &_, after: &_, labels: &_, _: &_| has_another_rank(before, after, labels);
+    let (verified, _) = pipeline.without(rows, verified, options.presolve, list, is_worse)?;
+    let VerifiedPass { mut pass, confidence } = verified;
     let immobile = std::mem::take(&mut pass.probe.immobile);
     let fixed = generated::find(immobile, local, &pass.basis, &pass.history, &scaling, &pass.keys);
     let generated = generated::evaluate(fixed, local, &pass.particular);
-    Ok(pass.into_analysis(
-        system,
-        numbering,
-        scaling,
-        rhs,
-        options.clone(),
-        generated,
-        confidence,
-        kept.unmet,
-        backend.as_ref(),
-    ))
+    Ok(pass.into_analysis(system, numbering, scaling, options.clone(), generated, confidence, backend.as_ref()))
 }
 
 /// The input of every run of the stages.
@@ -134,8 +118,6 @@ struct Pipeline<'a> {
 /// The result of the last run, with presolve's decisions verified.
 struct VerifiedPass {
     pass: PassResult,
-    /// Rows held back from presolve.
-    held_back: Vec<bool>,
     confidence: Confidence,
 }
 
@@ -165,7 +147,7 @@ impl Pipeline<'_> {
             false => first.dependent.iter().map(|d| d.row).collect(),
         };
         if doubtful.is_empty() {
-            return Ok(self.with_confidence(first, held_back, (0.0, false), known));
+            return Ok(self.with_confidence(first, (0.0, false), known));
         }
         let labels = labels.unwrap_or_else(|| Labels::of(self.local));
         let mut is_tried = vec![false; held_back.len()];
@@ -174,7 +156,7 @@ impl Pipeline<'_> {
         let second = match self.run_and_probe(&other) {
             Err(AnalysisError::Backend(BackendError::OverLimit { .. } | BackendError::OutOfMemory { .. })) => {
                 // The components are too large for the backend: return the first result, in doubt.
-                return Ok(self.with_confidence(first, held_back, (0.0, presolve), None));
+                return Ok(self.with_confidence(first, (0.0, presolve), None));
             }
             second => second?,
         };
@@ -192,48 +174,47 @@ impl Pipeline<'_> {
             decided if *decided == held_back => first,
             decided => self.run_and_probe(decided)?,
         };
-        Ok(self.with_confidence(pass, decided, (dropped, false), None))
+        Ok(self.with_confidence(pass, (dropped, false), None))
     }
 
-    /// Runs without the equations in `gone`. Those of a component are taken back if one of them is then not redundant, if the number of
-    /// dependent equations of the component changes, if its number of conflicting equations falls, or if a new conflict is not clear. A
-    /// clear new conflict is accepted, because a large right-hand side may have hidden it. Returns the result and the equations left out.
+    /// Runs without the equations in `gone`, too, which then are dependent as `list` says. They are taken back in the components for which
+    /// `is_worse`, given the results before and after, is true. Returns the result and all equations left out. What the first run
+    /// dropped stays part of the confidence.
     fn without(
         &self,
         mut gone: BTreeSet<usize>,
         first: VerifiedPass,
         presolve: bool,
+        list: impl Fn(&BTreeSet<usize>, &PassResult) -> Result<Vec<Dependent>, AnalysisError>,
+        is_worse: impl Fn(&PassResult, &PassResult, &Labels, &BTreeSet<usize>) -> Vec<bool>,
     ) -> Result<(VerifiedPass, BTreeSet<usize>), AnalysisError> {
         if gone.is_empty() {
-            return Ok((first, gone));
+            return Ok((first, self.absent.clone()));
         }
         let labels = Labels::of(self.local);
         while !gone.is_empty() {
-            let mut other = Pipeline { absent: &gone, ..*self }.run_verified(presolve)?;
-            let bad = not_redundant(&gone, &mut other.pass, self.rule, self.context.backend)?;
-            let mut is_worse = vec![false; labels.count];
-            bad.iter().for_each(|&row| is_worse[labels.of_row[row] as usize] = true);
-            let [before, after] = [&first, &other].map(|one| one.pass.counts_by_component(&labels));
-            is_worse
-                .iter_mut()
-                .zip(before.iter().zip(&after))
-                .for_each(|(is_worse, (a, b))| *is_worse |= a.0 != b.0 || b.1 < a.1);
-            // A new conflict must be clear; otherwise the equations of its component are taken back.
-            let conflicting = |of: &PassResult| -> Vec<(usize, f64)> {
-                let conflicts = of.dependent.iter().filter(|d| d.kind == Kind::Conflicting);
-                conflicts.map(|d| (d.row, d.relative_mismatch)).collect()
-            };
-            let known: BTreeSet<usize> = conflicting(&first.pass).into_iter().map(|(row, _)| row).collect();
-            let new = conflicting(&other.pass).into_iter().filter(|(row, _)| !known.contains(row));
-            new.filter(|&(_, size)| size < CLEAR_MISMATCH)
-                .for_each(|(row, _)| is_worse[labels.of_row[row] as usize] = true);
+            let absent = self.absent | &gone;
+            let mut other = Pipeline { absent: &absent, ..*self }.run_verified(presolve)?;
+            let listed = list(&gone, &other.pass)?;
+            let is_before = |d: &&Dependent| self.absent.contains(&d.row) && !gone.contains(&d.row);
+            other.pass.dependent.extend(first.pass.dependent.iter().filter(is_before).cloned().chain(listed));
+            other.pass.dependent.sort_unstable_by_key(|d| d.row);
+            let is_worse = is_worse(&first.pass, &other.pass, &labels, &gone);
             let count = gone.len();
             gone.retain(|&row| !is_worse[labels.of_row[row] as usize]);
             if gone.len() == count {
-                return Ok((other, gone));
+                other.confidence = self.with_absent(&other, first.confidence.error);
+                return Ok((other, absent));
             }
         }
-        Ok((first, gone))
+        Ok((first, self.absent.clone()))
+    }
+
+    /// The confidence of a run without some equations, with those among the dependent ones and with an error e of at least `error`.
+    fn with_absent(&self, VerifiedPass { pass, confidence }: &VerifiedPass, error: f64) -> Confidence {
+        let differ = confidence::are_sides_in_doubt(&pass.dependent, &pass.history, self.rule, self.tolerance);
+        let doubt = confidence.doubt.or(differ.then_some(Doubt::Mismatch));
+        Confidence::of(confidence.distance, confidence.error.max(error), self.tolerance, doubt)
     }
 
     /// Runs the stages and probes the kept rows. If a result of this probe is near or above its limit, a second probe replaces it. Its
@@ -264,7 +245,6 @@ impl Pipeline<'_> {
     fn with_confidence(
         &self,
         mut pass: PassResult,
-        held_back: Vec<bool>,
         (dropped, is_unverified): (f64, bool),
         known: Option<Vec<CoreDistance>>,
     ) -> VerifiedPass {
@@ -288,7 +268,7 @@ impl Pipeline<'_> {
         }
         pass.triangles = Vec::new();
         pass.blocks.iter_mut().for_each(Block::restore_units);
-        VerifiedPass { pass, held_back, confidence }
+        VerifiedPass { pass, confidence }
     }
 
     /// Remainder of a dependent equation beyond rounding; 0 if it is within the stated errors of the coefficients of this equation or of

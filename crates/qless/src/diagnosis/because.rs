@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 
 use super::Analysis;
 use super::certificate::CertificateTerm;
-use super::classify::{Dependent, Source};
+use super::classify::Dependent;
 use super::generated::{self, Explainer};
 use super::preferred_equations::add;
 use crate::common::argument::{ArgumentError, within};
@@ -205,26 +205,7 @@ impl Analysis {
             backend: backend.as_ref(),
             time: self.times.get_or_init(|| generated::times(&self.basis, self.numbering.dofs.len())),
         };
-        explainer.because(vector).map(|terms| self.over_kept(terms))
-    }
-
-    /// Replaces each equation that was exchanged for another one, and so is no longer kept, by its certificate.
-    fn over_kept(&self, terms: Vec<CertificateTerm>) -> Vec<CertificateTerm> {
-        let given = |row: usize| match &self.dependent_of(row)?.source {
-            Source::Given(because) => Some(because),
-            Source::Traced(..) => None,
-        };
-        if !terms.iter().any(|term| given(term.row).is_some()) {
-            return terms;
-        }
-        let mut sum = BTreeMap::new();
-        for CertificateTerm { row, coefficient } in terms {
-            match given(row) {
-                Some(parts) => parts.iter().for_each(|part| add(&mut sum, part.row, coefficient * part.coefficient)),
-                None => add(&mut sum, row, coefficient),
-            }
-        }
-        terms_of(sum)
+        explainer.because(vector)
     }
 }
 

@@ -14,9 +14,11 @@ use std::collections::BTreeSet;
 use super::AnalysisError;
 use super::certificate::CertificateTerm;
 use super::classify::{Dependent, Kind, MismatchRule, Source};
+use super::confidence::CLEAR_MISMATCH;
 use super::generated::{Explainer, times};
 use super::pass_result::PassResult;
 use crate::factor::backend::Backend;
+use crate::input::components::Labels;
 use crate::input::numbering::LocalSystem;
 use crate::input::scale::ldexp;
 use crate::presolve::rows::MORE_THAN_ROUNDING;
@@ -51,35 +53,42 @@ pub(crate) fn to_give_up(pass: &PassResult, rule: &MismatchRule, wanted: &[usize
     gone
 }
 
-/// Completes a pass that ran without the equations in `gone`: lists them among the dependent equations, as combinations of the equations
-/// that the pass kept. Returns those that are not redundant.
+/// Whether the equations in `gone` are needed: marks the components in which one of them is not redundant, the number of dependent equations
+/// changes, that of conflicting ones falls, or a new conflict is not clear. A clear new conflict is accepted, because a large right-hand
+/// side may have hidden it.
+pub(crate) fn is_worse(before: &PassResult, after: &PassResult, labels: &Labels, gone: &BTreeSet<usize>) -> Vec<bool> {
+    let [old, new] = [before, after].map(|pass| pass.counts_by_component(labels));
+    let mut is_worse: Vec<bool> = old.iter().zip(&new).map(|(old, new)| old.0 != new.0 || new.1 < old.1).collect();
+    let is_conflicting = |d: &&Dependent| d.kind == Kind::Conflicting;
+    let known: BTreeSet<usize> = before.dependent.iter().filter(is_conflicting).map(|d| d.row).collect();
+    let is_bad =
+        |d: &&Dependent| gone.contains(&d.row) || (!known.contains(&d.row) && d.relative_mismatch < CLEAR_MISMATCH);
+    let bad = after.dependent.iter().filter(is_conflicting).filter(is_bad);
+    bad.for_each(|d| is_worse[labels.of_row[d.row] as usize] = true);
+    is_worse
+}
+
+/// The equations in `gone` as combinations of those that a run without them kept.
 ///
 /// # Errors
 /// [`AnalysisError::Backend`] if a block cannot be factored again.
-pub(crate) fn not_redundant(
+pub(crate) fn as_combinations(
     gone: &BTreeSet<usize>,
-    pass: &mut PassResult,
+    pass: &PassResult,
     rule: &MismatchRule,
     backend: &dyn Backend,
-) -> Result<Vec<usize>, AnalysisError> {
-    let system = rule.system;
-    let mut others = Vec::new();
-    for &row in gone {
-        let PassResult { basis, blocks, history, .. } = &*pass;
-        let time = times(basis, system.dofs());
-        let explainer = Explainer { system, basis, blocks, history, scaling: rule.scaling, backend, time: &time };
+) -> Result<Vec<Dependent>, AnalysisError> {
+    let (system, scaling, PassResult { basis, blocks, history, .. }) = (rule.system, rule.scaling, pass);
+    let time = &times(basis, system.dofs());
+    let explainer = Explainer { system, basis, blocks, history, scaling, backend, time };
+    let dependent = |&row: &usize| {
         let free = system.row(row).filter(|&(j, _)| system.free()[j]).map(|(j, v)| (j as u32, v));
         let because = explainer.because(free)?;
         let mut rest = rule.side(row);
         because.iter().for_each(|term| rest.subtract(term.coefficient, rule.side(term.row)));
-        let found = Dependent::new(row, rest, 0.0, Source::Given(because), rule);
-        if found.kind != Kind::Redundant {
-            others.push(row);
-        }
-        let place = pass.dependent.partition_point(|d| d.row < row);
-        pass.dependent.insert(place, found);
-    }
-    Ok(others)
+        Ok(Dependent::new(row, rest, 0.0, Source::Given(because), rule))
+    };
+    gone.iter().map(dependent).collect()
 }
 
 /// The residual `|b - C u|` of an equation, and its largest term.

@@ -129,8 +129,6 @@ pub struct Analysis {
     pub(crate) blocks: Vec<Block>,
     pub(crate) history: History,
     pub(crate) scaling: Scaling,
-    /// b as analysed. If a preferred equation replaced one that contradicts it, the entry of the replaced one is corrected to agree.
-    pub(crate) rhs: Vec<f64>,
     pub(crate) numbering: Numbering,
     /// Local numbers of the fixed DOFs, which [`Analysis::generated`] lists by the user's numbers.
     pub(crate) fixed: Vec<u32>,

@@ -1,5 +1,6 @@
 //! The result of one run of the stages, by row and by component, and its conversion to an [`Analysis`].
 
+use std::collections::BTreeSet;
 use std::sync::OnceLock;
 use std::time::Instant;
 
@@ -105,15 +106,15 @@ impl PassResult {
         system: ConstraintSystem,
         numbering: Numbering,
         scaling: Scaling,
-        rhs: Vec<f64>,
         options: Options,
         generated: Generated,
         confidence: Confidence,
-        unmet_equations: Vec<usize>,
         backend: &dyn Backend,
     ) -> Analysis {
         let mut kinds = vec![Kind::Independent; self.history.exponents.len()];
         self.dependent.iter().for_each(|d| kinds[d.row] = d.kind);
+        let wanted: BTreeSet<usize> = options.preferences.equations.iter().copied().collect();
+        let unmet_equations = wanted.into_iter().filter(|&row| kinds[row] != Kind::Independent).collect();
         Analysis {
             identity: Identity::new(),
             system,
@@ -135,7 +136,6 @@ impl PassResult {
             blocks: self.blocks,
             history: self.history,
             scaling,
-            rhs,
             numbering,
             fixed: generated.dofs,
             times: OnceLock::new(),

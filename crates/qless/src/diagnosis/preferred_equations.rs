@@ -1,54 +1,48 @@
-//! Keeps the equations that the user prefers: a dependent one is exchanged for a kept one of its certificate.
+//! Exchanges equations so that those that the user prefers are kept: a dependent one replaces a kept one of its certificate.
 //!
 //! From `row_k = sum c_l row_l` follows `row_i = (row_k - sum_{l != i} c_l row_l) / c_i` for any i with `c_i != 0`: then k is
-//! kept and i depends on it. If all equations of a certificate are preferred, they exceed the rank, and the preference is unmet.
+//! kept and i depends on it. If all equations of a certificate are preferred, they exceed the rank, and the preference is unmet. The stages
+//! then run again on the kept equations of the components with exchanges, so that the basis, T, G and g come from these equations alone.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::certificate::{CertificateTerm, History};
-use super::classify::{Dependent, Kind, Mismatch, MismatchRule, Source};
+use super::classify::{Dependent, Mismatch, MismatchRule, Source};
+use super::pass_result::PassResult;
+use crate::input::components::Labels;
 use crate::input::scale::{Scaling, ldexp};
 
 /// A term of a certificate that cancels to this fraction of its parts is zero.
 const NOISE: f64 = 1e-11;
 
-/// Which preferences could not be met, and which equations were given up for others.
-#[derive(Default)]
-pub(crate) struct PreferenceOutcome {
-    /// Preferred equations that are dependent nevertheless, ascending.
-    pub unmet: Vec<usize>,
-    /// Equations given up for preferred ones that contradict them, and the amount by which their right-hand sides have to be
-    /// lowered to agree.
-    pub overruled: Vec<(usize, f64)>,
-}
-
-/// Exchanges dependent equations until none of `wanted` is dependent, or no exchange is possible.
-pub(crate) fn keep_preferred(
-    wanted: &[usize],
-    dependent: &mut Vec<Dependent>,
-    history: &History,
-    rule: &MismatchRule,
-) -> PreferenceOutcome {
+/// Exchanges dependent equations until none of `wanted` is dependent, or no exchange is possible. Returns all dependent equations of the
+/// components with exchanges.
+pub(crate) fn exchanged(wanted: &[usize], pass: &PassResult, rule: &MismatchRule) -> BTreeMap<usize, Dependent> {
     let wanted: BTreeSet<usize> = wanted.iter().copied().collect();
-    let mut out = PreferenceOutcome::default();
-    if !dependent.iter().any(|d| wanted.contains(&d.row)) {
-        return out;
+    let asked: Vec<usize> = pass.dependent.iter().map(|d| d.row).filter(|row| wanted.contains(row)).collect();
+    if asked.is_empty() {
+        return BTreeMap::new();
     }
     let mut exchange = Exchange::default();
-    for d in dependent.drain(..) {
-        exchange.insert(Exchangeable { because: certificate(&d, history), dependent: d });
+    for d in &pass.dependent {
+        exchange.insert(Exchangeable { because: certificate(d, &pass.history), dependent: d.clone() });
     }
-    let asked: Vec<usize> = exchange.all.keys().copied().filter(|row| wanted.contains(row)).collect();
+    let labels = Labels::of(rule.system);
+    let mut is_changed = vec![false; labels.count];
     for k in asked {
-        match substitute_for(&exchange.all[&k].because, &wanted, rule.scaling) {
-            Some(i) => exchange.keep(k, i, rule),
-            None => out.unmet.push(k),
+        if let Some(i) = substitute_for(&exchange.all[&k].because, &wanted, rule.scaling) {
+            exchange.keep(k, i, rule);
+            is_changed[labels.of_row[k] as usize] = true;
         }
     }
-    let all = exchange.all;
-    out.overruled = all.values().filter(|e| e.changed() && e.is_conflicting()).map(Exchangeable::correction).collect();
-    dependent.extend(all.into_values().map(Exchangeable::into_dependent));
-    out
+    let changed = exchange.all.into_iter().filter(|(row, _)| is_changed[labels.of_row[*row] as usize]);
+    changed.map(|(row, entry)| (row, entry.into_dependent())).collect()
+}
+
+/// Marks the components in which a run finds another number of dependent equations: there, those that were left out are needed.
+pub(crate) fn has_another_rank(before: &PassResult, after: &PassResult, labels: &Labels) -> Vec<bool> {
+    let [old, new] = [before, after].map(|pass| pass.counts_by_component(labels));
+    old.iter().zip(&new).map(|(old, new)| old.0 != new.0).collect()
 }
 
 struct Exchangeable {
@@ -57,25 +51,9 @@ struct Exchangeable {
 }
 
 impl Exchangeable {
-    /// Returns true if an exchange made this equation dependent.
-    fn changed(&self) -> bool {
-        matches!(self.dependent.source, Source::Given(_))
-    }
-
-    fn is_conflicting(&self) -> bool {
-        self.dependent.kind == Kind::Conflicting
-    }
-
-    fn correction(&self) -> (usize, f64) {
-        (self.dependent.row, self.dependent.mismatch)
-    }
-
-    fn into_dependent(mut self) -> Dependent {
-        if self.changed() {
-            let terms = self.because.into_iter().map(|(row, coefficient)| CertificateTerm { row, coefficient });
-            self.dependent.source = Source::Given(terms.collect());
-        }
-        self.dependent
+    fn into_dependent(self) -> Dependent {
+        let terms = self.because.into_iter().map(|(row, coefficient)| CertificateTerm { row, coefficient });
+        Dependent { source: Source::Given(terms.collect()), ..self.dependent }
     }
 }
 

@@ -1,20 +1,19 @@
 //! Builds a reduction from a diagnosis, and decides which parts are explicit and which are factored.
 
 use std::borrow::Cow;
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::HashMap;
 
 use rayon::prelude::*;
 
 use super::exchange_goals::{self, bound_growth, meet_preferences};
 use super::factored::{factor, predict};
 use super::relation::{self, ReductionInput};
-use super::residual_check::{self, Residuals};
-use super::{FactoredBlock, Form, Reduction, ReductionError, block, output, retry};
+use super::retry::{self, Rules, Terms};
+use super::{FactoredBlock, Form, Reduction, ReductionError, block, output};
 use crate::factor::backend::BackendError;
 use crate::input::components::Labels;
 use crate::input::numbering::LocalSystem;
 use crate::input::preferences::{Preferences, SlavePreference, SlavePreferences};
-use crate::input::scale::Scaling;
 use crate::presolve::basis::{Basis, Solved};
 use crate::{Analysis, ArgumentError, ConstraintSystem, Kind};
 
@@ -57,7 +56,7 @@ impl Analysis {
     /// [`ReductionError`] if [`Analysis::residual`] would be above 1e-10, if an entry would exceed the range of doubles, or if a block
     /// cannot be factored again. So every reduction that is returned meets the independent equations.
     pub fn reduction_in(&self, form: Form) -> Result<Reduction, ReductionError> {
-        let local = self.numbering.view(&self.system, &self.rhs);
+        let local = self.local();
         if form == Form::Explicit {
             let basis = self.solved()?;
             let bounds = self.bounds_of(local, basis);
@@ -105,9 +104,14 @@ impl Analysis {
     /// [`ArgumentError`] if the reduction has other DOFs. It may have been computed elsewhere ([`Reduction::from_parts`]).
     pub fn residual(&self, reduction: &Reduction) -> Result<f64, ArgumentError> {
         reduction.fits(&self.system)?;
-        let local = self.numbering.view(&self.system, &self.rhs);
-        let [matrices, constants] = residuals_of(local, &self.independent(), &self.scaling)(reduction);
+        let local = self.local();
+        let [matrices, constants] = self.rules(&self.independent()).residuals(local, reduction, Terms::All);
         Ok(matrices.worse(constants).worst)
+    }
+
+    /// How reductions of this analysis are checked.
+    pub(crate) fn rules<'a>(&'a self, independent: &'a [bool]) -> Rules<'a> {
+        Rules { independent, scaling: &self.scaling, memory: self.options.memory }
     }
 
     fn input<'a>(&'a self, basis: &'a Basis, bounds: &'a [f64]) -> ReductionInput<'a> {
@@ -244,68 +248,8 @@ fn build(
     let exchanges = bound_growth(&mut relation, limit, &input.preferences, exchanged);
     let reduction = output::write(system, &relation);
     let growth = factored.iter().map(|block| block.growth).fold(relation.growth, f64::max);
-    checked(Reduction { growth, exchanges, factored, ..reduction }, local, input)
-}
-
-/// The residuals of T and G, and those of g.
-fn residuals_of<'a>(
-    local: LocalSystem<'a>,
-    independent: &'a [bool],
-    scaling: &'a Scaling,
-) -> impl Fn(&Reduction) -> [Residuals; 2] {
-    move |reduction| {
-        [residual_check::residuals_of_matrices, residual_check::residuals_of_g]
-            .map(|residuals| residuals(local, reduction, independent, scaling))
-    }
-}
-
-/// Checks the residuals. Parts with large residuals are computed again. Their T and G, and separately their g, are replaced if that reduces
-/// the residual: T and G depend on C only, so the residual of g does not decide about them.
-fn checked(mut reduction: Reduction, local: LocalSystem, input: &ReductionInput) -> Result<Reduction, ReductionError> {
-    let ReductionInput { scaling, ref independent, memory, .. } = *input;
-    let residuals = residuals_of(local, independent, scaling);
-    let found = residuals(&reduction);
-    if found.iter().all(|found| found.above.is_empty()) {
-        return Ok(reduction);
-    }
-    let labels = Labels::of(local);
-    let before = found.map(|found| worst_by_part(&found, &labels));
-    let is_factored = |label: u32| reduction.factored.iter().any(|block| labels.of_row[block.equations[0]] == label);
-    let wanted: BTreeSet<u32> = before.iter().flat_map(BTreeMap::keys).copied().filter(|&k| !is_factored(k)).collect();
-    let wanted: Vec<u32> = wanted.into_iter().collect();
-    let rows = retry::compute(local, &reduction, (independent, &labels), scaling, &wanted, memory);
-    let mut tried = reduction.clone();
-    retry::replace(&mut tried, &rows, |_| [true; 2]);
-    let after = residuals(&tried).map(|found| worst_by_part(&found, &labels));
-    drop(tried);
-    // A part whose residual did not decrease keeps its rows.
-    let part = part_of_slaves(local, &reduction, &labels);
-    let is_better = |i: usize| [0, 1].map(|k| after[k].get(&part[i]) < before[k].get(&part[i]));
-    retry::replace(&mut reduction, &rows, is_better);
-    let growth = reduction.t.val.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
-    reduction.growth = reduction.factored.iter().map(|block| block.growth).fold(growth, f64::max);
-    let [matrices, constants] = residuals(&reduction);
-    residual_check::pass(&matrices.worse(constants), &reduction).map(|()| reduction)
-}
-
-/// For each part with equations in [`Residuals::above`], the largest residual of these equations.
-fn worst_by_part(found: &Residuals, labels: &Labels) -> BTreeMap<u32, f64> {
-    let mut worst = BTreeMap::new();
-    for &(row, residual) in &found.above {
-        let most: &mut f64 = worst.entry(labels.of_row[row]).or_default();
-        *most = most.max(residual);
-    }
-    worst
-}
-
-/// The part of each slave.
-fn part_of_slaves(local: LocalSystem, reduction: &Reduction, labels: &Labels) -> Vec<u32> {
-    let mut part = vec![0; reduction.dofs()];
-    for (i, &label) in labels.of_row.iter().enumerate() {
-        let free = local.row(i).filter(|&(j, _)| local.free()[j]);
-        free.for_each(|(j, _)| part[local.numbering.dofs[j] as usize] = label);
-    }
-    reduction.slaves.iter().map(|&j| part[j]).collect()
+    let mut reduction = Reduction { growth, exchanges, factored, ..reduction };
+    retry::checked(&mut reduction, local, Terms::All, &input.rules()).map(|()| reduction)
 }
 
 impl Reduction {

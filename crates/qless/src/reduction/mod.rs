@@ -9,8 +9,8 @@ mod factored;
 mod order;
 mod output;
 mod relation;
-pub(crate) mod residual_check;
-mod retry;
+mod residual_check;
+pub(crate) mod retry;
 mod rounding;
 
 use crate::common::argument::long;

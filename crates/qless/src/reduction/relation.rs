@@ -2,6 +2,7 @@
 //!
 //! If the equation of a slave contains no other slave, its row is the row of the basis, which is not copied.
 
+use super::retry::Rules;
 use crate::input::numbering::LocalSystem;
 use crate::input::preferences::SlavePreferences;
 use crate::input::scale::Scaling;
@@ -25,6 +26,13 @@ pub(crate) struct ReductionInput<'a> {
     pub independent: Vec<bool>,
     /// Bytes that a sparse factorization may allocate.
     pub memory: usize,
+}
+
+impl ReductionInput<'_> {
+    /// How the reduction is checked.
+    pub fn rules(&self) -> Rules<'_> {
+        Rules { independent: &self.independent, scaling: self.scaling, memory: self.memory }
+    }
 }
 
 /// Expresses each slave by masters and prescribed DOFs in local numbers: `u_s = sum entries + constant`. Row i belongs to row i of the

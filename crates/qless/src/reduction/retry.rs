@@ -1,9 +1,12 @@
-//! Recomputes `[T G g] = C_S^-1 [-C_M -C_p b]` of some parts from the user's equations, for the slaves that were chosen. C_S, C_M and C_p
-//! are the columns of slaves, masters and prescribed DOFs.
+//! Checks a reduction, and recomputes `[T G g] = C_S^-1 [-C_M -C_p b]` of parts with large residuals from the user's equations, for the
+//! slaves that were chosen. C_S, C_M and C_p are the columns of slaves, masters and prescribed DOFs.
 //!
 //! Presolve and exchanges of slaves can lose digits of T, but the slaves that they chose are still good. With these slaves T is computed
 //! again, by sparse LU with a step of refinement.
 
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::residual_check::{self, Residuals};
 use super::{Reduction, ReductionError};
 use crate::Csr;
 use crate::factor::backend::BackendError;
@@ -12,6 +15,82 @@ use crate::factor::solver::{NOISE, SlaveSolver};
 use crate::input::components::Labels;
 use crate::input::numbering::LocalSystem;
 use crate::input::scale::{Scaling, ldexp};
+
+/// The terms of a reduction that are checked and may be computed again.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Terms {
+    /// T, G and g.
+    All,
+    /// Only g: T and G depend on C alone.
+    Constants,
+}
+
+/// How the reductions of an analysis are checked.
+pub(crate) struct Rules<'a> {
+    pub independent: &'a [bool],
+    pub scaling: &'a Scaling,
+    pub memory: usize,
+}
+
+impl Rules<'_> {
+    /// The residuals of T and G, and those of g.
+    pub fn residuals(&self, local: LocalSystem, reduction: &Reduction, terms: Terms) -> [Residuals; 2] {
+        let Self { independent, scaling, .. } = *self;
+        let matrices = || residual_check::residuals_of_matrices(local, reduction, independent, scaling);
+        let of_matrices = (terms == Terms::All).then(matrices).unwrap_or_default();
+        [of_matrices, residual_check::residuals_of_g(local, reduction, independent, scaling)]
+    }
+}
+
+/// Checks the residuals. Parts with large residuals are computed again. Their T and G, and separately their g, are replaced if that reduces
+/// the residual: T and G depend on C only, so the residual of g does not decide about them.
+pub(crate) fn checked(
+    reduction: &mut Reduction,
+    local: LocalSystem,
+    terms: Terms,
+    rules: &Rules,
+) -> Result<(), ReductionError> {
+    let found = rules.residuals(local, reduction, terms);
+    if found.iter().all(|found| found.above.is_empty()) {
+        return Ok(());
+    }
+    let labels = Labels::of(local);
+    let before = found.map(|found| worst_by_part(&found, &labels));
+    let is_factored = |label: u32| reduction.factored.iter().any(|block| labels.of_row[block.equations[0]] == label);
+    let wanted: BTreeSet<u32> = before.iter().flat_map(BTreeMap::keys).copied().filter(|&k| !is_factored(k)).collect();
+    let wanted: Vec<u32> = wanted.into_iter().collect();
+    let rows = compute(local, reduction, &labels, terms, rules, &wanted);
+    let mut tried = reduction.clone();
+    replace(&mut tried, &rows, |_| [terms == Terms::All, true]);
+    let after = rules.residuals(local, &tried, terms).map(|found| worst_by_part(&found, &labels));
+    drop(tried);
+    // A part whose residual did not decrease keeps its rows.
+    let part = part_of_slaves(local, reduction, &labels);
+    let is_better = |i: usize| [0, 1].map(|k| after[k].get(&part[i]) < before[k].get(&part[i]));
+    replace(reduction, &rows, is_better);
+    let [matrices, constants] = rules.residuals(local, reduction, terms);
+    residual_check::pass(&matrices.worse(constants), reduction)
+}
+
+/// For each part with equations in [`Residuals::above`], the largest residual of these equations.
+fn worst_by_part(found: &Residuals, labels: &Labels) -> BTreeMap<u32, f64> {
+    let mut worst = BTreeMap::new();
+    for &(row, residual) in &found.above {
+        let most: &mut f64 = worst.entry(labels.of_row[row]).or_default();
+        *most = most.max(residual);
+    }
+    worst
+}
+
+/// The part of each slave.
+fn part_of_slaves(local: LocalSystem, reduction: &Reduction, labels: &Labels) -> Vec<u32> {
+    let mut part = vec![0; reduction.dofs()];
+    for (i, &label) in labels.of_row.iter().enumerate() {
+        let free = local.row(i).filter(|&(j, _)| local.free()[j]);
+        free.for_each(|(j, _)| part[local.numbering.dofs[j] as usize] = label);
+    }
+    reduction.slaves.iter().map(|&j| part[j]).collect()
+}
 
 /// The place of a DOF in the reduction.
 #[derive(Clone, Copy)]
@@ -25,13 +104,13 @@ enum DofPlace {
 }
 
 /// Computes the rows of T, G and g of the parts with the labels `wanted` (ascending). A row is None if it was not computed.
-pub(super) fn compute(
+fn compute(
     local: LocalSystem,
     reduction: &Reduction,
-    (independent, labels): (&[bool], &Labels),
-    scaling: &Scaling,
+    labels: &Labels,
+    terms: Terms,
+    &Rules { independent, scaling, memory }: &Rules,
     wanted: &[u32],
-    memory: usize,
 ) -> Vec<Option<RecomputedRow>> {
     let mut equations = vec![Vec::new(); wanted.len()];
     for i in (0..local.equations()).filter(|&i| independent[i]) {
@@ -46,14 +125,15 @@ pub(super) fn compute(
         let Ok(order) = crate::factor::backend::sparse::order(&part.slaves) else { continue };
         let Ok(lu) = lu::factor(&part.slaves, &order, |_| true, memory) else { continue };
         let solver = SlaveSolver::new(&part.slaves, lu);
-        let (columns, g) = (solver.solve(&part.right), solver.solve_dense(&part.rhs));
+        let right = if terms == Terms::All { &part.right } else { &Csr::empty(part.right.cols) };
+        let (columns, g) = (solver.solve(right), solver.solve_dense(&part.rhs));
         part.write(&mut rows, &solver, &columns.transposed(), &g);
     }
     rows
 }
 
 /// A row of T, a row of G, and an entry of g.
-pub(super) type RecomputedRow = (Vec<(usize, f64)>, Vec<(usize, f64)>, f64);
+type RecomputedRow = (Vec<(usize, f64)>, Vec<(usize, f64)>, f64);
 
 fn roles(local: LocalSystem, reduction: &Reduction) -> Vec<DofPlace> {
     let dofs = &local.numbering.dofs;
@@ -135,11 +215,8 @@ impl PartToSolve {
 
 /// Replaces rows that were computed. For each slave, `is_wanted` says whether to replace its rows of T and G, and whether to replace its
 /// entry of g.
-pub(super) fn replace(
-    reduction: &mut Reduction,
-    rows: &[Option<RecomputedRow>],
-    is_wanted: impl Fn(usize) -> [bool; 2],
-) {
+fn replace(reduction: &mut Reduction, rows: &[Option<RecomputedRow>], is_wanted: impl Fn(usize) -> [bool; 2]) {
+    let mut is_new = false;
     let (mut t, mut g_matrix) = (Csr::empty(reduction.t.cols), Csr::empty(reduction.g_matrix.cols));
     for (i, row) in rows.iter().enumerate() {
         let [matrices, constant] = is_wanted(i);
@@ -147,6 +224,7 @@ pub(super) fn replace(
             Some((of_t, of_g, _)) if matrices => {
                 t.append(of_t.iter().copied());
                 g_matrix.append(of_g.iter().copied());
+                is_new = true;
             }
             _ => {
                 t.append(reduction.t.row(i));
@@ -156,6 +234,10 @@ pub(super) fn replace(
         row.iter().filter(|_| constant).for_each(|&(_, _, g)| reduction.g[i] = g);
     }
     (reduction.t, reduction.g_matrix) = (t, g_matrix);
+    if is_new {
+        let growth = reduction.t.val.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+        reduction.growth = reduction.factored.iter().map(|block| block.growth).fold(growth, f64::max);
+    }
 }
 
 impl From<BackendError> for ReductionError {

@@ -57,8 +57,8 @@ fn diagnose(block: &mut Block, means: FactorContext) -> Result<Found, BackendErr
         // If rows are dependent to the last bit in the units of the rows, the triangle lacks them, and its motions violate them.
         if triangle.rows.len() == rows.kept.len() {
             let mut other = triangle.motions(&plain);
-            other.set_resting(&plain.matrix, &rows.kept, triangle.factor.smallest_singular_value().0);
-            if other.resting() < motions.resting() {
+            let hold = other.set_resting(&plain.matrix, &rows.kept, triangle.factor.smallest_singular_value().0);
+            if hold && other.resting() < motions.resting() {
                 *motions = other;
             }
         }

@@ -1,10 +1,10 @@
 //! Results for the blocks of equations that remain after presolve: plain data, computed by a factorization.
 
 use std::borrow::Cow;
-use std::collections::VecDeque;
 use std::fmt::Debug;
 use std::sync::Arc;
 
+use super::resting;
 use crate::Csr;
 use crate::input::scale::ldexp;
 use crate::presolve::eliminated::Mismatch;
@@ -97,16 +97,19 @@ impl Vectors {
 
     /// Sets entries of the motions below the threshold to zero, except where the kept rows of `matrix` need them.
     ///
-    /// The threshold bounds the error of each entry. If the moving DOFs of a row miss it by more than their errors, a DOF that seems to rest
-    /// moves, too: its motion is small in these units and follows from the row.
-    pub fn set_resting(&mut self, matrix: &Csr, kept: &[usize], sigma: f64) {
+    /// The threshold bounds the error of each entry. If the moving DOFs of a row miss it by more than their errors, DOFs that seem to rest
+    /// move, too: their motions are small in these units and follow from the rows. Returns false if the motions violate a row: then the
+    /// threshold bounds no errors.
+    pub fn set_resting(&mut self, matrix: &Csr, kept: &[usize], sigma: f64) -> bool {
         let zero = (ZERO_UNITS * f64::EPSILON / sigma).clamp(ZERO[0], ZERO[1]);
+        let mut hold = true;
         for moves in &mut self.moves {
             moves.iter_mut().filter(|v| v.abs() <= zero).for_each(|v| *v = 0.0);
             if moves.contains(&0.0) && moves.iter().any(|&v| v != 0.0) {
-                move_needed(matrix, kept, moves, zero);
+                hold &= resting::set_needed(matrix, kept, moves, zero);
             }
         }
+        hold
     }
 
     /// Converts from balanced units to those of the rows.
@@ -115,73 +118,6 @@ impl Vectors {
         for vector in [first, second, &mut self.sample, &mut self.particular] {
             vector.iter_mut().zip(units).filter(|(_, unit)| **unit != 0).for_each(|(v, &unit)| *v = ldexp(*v, unit));
         }
-    }
-}
-
-/// Gives a motion to DOFs that seem to rest, if the other DOFs of a row miss it by more than their errors, which are at most `error` each.
-/// DOFs that rows fix come first, so that no other row gives them a motion. If the motions then miss a row, a DOF was given one that has
-/// none: those of this row, and of all rows reached from it through such DOFs, are taken back.
-fn move_needed(matrix: &Csr, kept: &[usize], moves: &mut [f64], error: f64) {
-    let mut errors = vec![error; moves.len()];
-    let mut is_fixed = vec![false; moves.len()];
-    let rows_of_dofs = matrix.transposed();
-    let mut is_kept = vec![false; matrix.rows()];
-    kept.iter().for_each(|&i| is_kept[i] = true);
-    let before = moves.to_vec();
-    for may_move in [false, true] {
-        let mut queue: VecDeque<usize> = kept.iter().copied().collect();
-        while let Some(i) = queue.pop_front() {
-            let changed = match Missed::by(matrix.row(i), moves, &errors, &is_fixed) {
-                Missed { dof: Some((j, _)), is_alone: true, .. } => {
-                    is_fixed[j] = true;
-                    j
-                }
-                Missed { dof: Some((j, v)), sum, error, .. } if may_move && sum.abs() > error && sum / v != 0.0 => {
-                    (moves[j], errors[j]) = (-sum / v, error / v.abs());
-                    j
-                }
-                _ => continue,
-            };
-            queue.extend(rows_of_dofs.row(changed).map(|(i, _)| i).filter(|&i| is_kept[i]));
-        }
-    }
-    let is_missed = |&i: &usize| {
-        let Missed { sum, error, dof, .. } = Missed::by(matrix.row(i), moves, &errors, &is_fixed);
-        dof.is_none() && sum.abs() > error
-    };
-    let mut queue: VecDeque<usize> = kept.iter().copied().filter(is_missed).collect();
-    while let Some(i) = queue.pop_front() {
-        for (j, _) in matrix.row(i).filter(|&(j, _)| before[j] == 0.0) {
-            if std::mem::take(&mut moves[j]) != 0.0 {
-                queue.extend(rows_of_dofs.row(j).map(|(i, _)| i).filter(|&i| is_kept[i]));
-            }
-        }
-    }
-}
-
-/// By how much the moving DOFs of a row miss it.
-struct Missed {
-    sum: f64,
-    /// Bound of the error of `sum`.
-    error: f64,
-    /// The DOF with the largest coefficient among those that seem to rest and may move, and this coefficient.
-    dof: Option<(usize, f64)>,
-    /// True if all other DOFs of the row are fixed.
-    is_alone: bool,
-}
-
-impl Missed {
-    fn by(row: impl Iterator<Item = (usize, f64)>, moves: &[f64], errors: &[f64], is_fixed: &[bool]) -> Self {
-        let (mut dof, mut sum, mut error, mut count) = (None, 0.0, 0.0, 0);
-        for (j, v) in row.filter(|&(j, v)| v != 0.0 && !is_fixed[j]) {
-            count += 1;
-            if moves[j] != 0.0 {
-                (sum, error) = (sum + v * moves[j], error + v.abs() * errors[j]);
-            } else if dof.is_none_or(|(_, most): (usize, f64)| v.abs() > most.abs()) {
-                dof = Some((j, v));
-            }
-        }
-        Self { sum, error, dof, is_alone: count == 1 && dof.is_some() }
     }
 }
 

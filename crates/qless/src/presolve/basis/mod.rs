@@ -6,6 +6,7 @@
 //! Most rows are peeled: they are the user's equations, read in place and never copied.
 
 mod blocks;
+mod resting;
 mod row;
 
 use std::ops::Range;

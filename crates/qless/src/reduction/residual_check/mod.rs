@@ -27,6 +27,7 @@ pub(crate) const FINE: f64 = 1e-13;
 const NEARLY: f64 = 0.1;
 
 /// The residuals of the independent equations.
+#[derive(Default)]
 pub(crate) struct Residuals {
     /// The largest residual.
     pub worst: f64,
@@ -66,7 +67,7 @@ fn residuals_of(
     independent: &[bool],
     scaling: &Scaling,
 ) -> Residuals {
-    let mut found = Residuals { worst: 0.0, row: 0, above: Vec::new() };
+    let mut found = Residuals::default();
     // Residuals are computed in the user's units and, if these mix, in balanced units too: in either of them alone, other DOFs may be so
     // large that they hide the residual of an equation.
     let is_mixed = |i: usize| local.row(i).any(|(j, _)| scaling.col(j) != 0);

@@ -1,0 +1,127 @@
+//! The motions of DOFs that seem to rest, from the rows that the moving DOFs miss.
+//!
+//! ```text
+//! C_R m_R = -C_M m_M +- e     M moves, R seems to rest, e bounds the errors of C_M m_M
+//! ```
+//!
+//! Gauss-Jordan elimination with the rows relative to their errors: the pivot is the coefficient `a_ij` with the least `e_i / |a_ij|`, so
+//! that each DOF is taken from the row that determines it best. A row k then receives the error `|a_kj| e_i / |a_ij| <= e_k`: a step at
+//! most doubles an error, and no row spoils a better one. Rows without moving DOFs have no error and come first.
+
+use std::collections::BTreeMap;
+
+use crate::Csr;
+
+/// A difference below this, relative to its larger term, is rounding.
+const NOISE: f64 = 1e-14;
+
+/// Sets the motions that kept rows need: in `moves`, zeros are DOFs that seem to rest, and the errors of all motions are at most `error`.
+/// Only DOFs are examined that rows connect, through such DOFs, with a row that the moving DOFs miss by more than the error. Returns false
+/// if a row without such DOFs is missed: then the errors are larger.
+pub(super) fn set_needed(matrix: &Csr, kept: &[usize], moves: &mut [f64], error: f64) -> bool {
+    let row = |&i: &usize| RestingRow::new(matrix.row(i), moves, error);
+    let missed: Vec<usize> = kept.iter().copied().filter(|i| row(i).is_missed()).collect();
+    if missed.is_empty() {
+        return true;
+    }
+    if missed.iter().any(|i| row(i).entries.is_empty()) {
+        return false;
+    }
+    let mut rows: Vec<RestingRow> = reached(matrix, kept, moves, missed).iter().map(row).collect();
+    for (j, motion) in solve(&mut rows) {
+        moves[j] = motion;
+    }
+    true
+}
+
+/// A kept row without its moving DOFs.
+struct RestingRow {
+    /// The coefficients of the DOFs that seem to rest.
+    entries: BTreeMap<usize, f64>,
+    /// The sum of the other terms.
+    sum: f64,
+    /// Bound of the error of `sum`.
+    error: f64,
+    /// The pivot, if the row is solved for a DOF.
+    pivot: Option<usize>,
+}
+
+impl RestingRow {
+    fn new(row: impl Iterator<Item = (usize, f64)>, moves: &[f64], error: f64) -> Self {
+        let mut new = Self { entries: BTreeMap::new(), sum: 0.0, error: 0.0, pivot: None };
+        for (j, v) in row.filter(|&(_, v)| v != 0.0) {
+            if moves[j] == 0.0 {
+                new.entries.insert(j, v);
+            } else {
+                (new.sum, new.error) = (new.sum + v * moves[j], new.error + v.abs() * error);
+            }
+        }
+        new
+    }
+
+    fn is_missed(&self) -> bool {
+        self.sum.abs() > self.error
+    }
+
+    /// How well the row determines a DOF, without units: rows without errors first, then `|a_ij| / e_i`; the largest such DOF.
+    fn best(&self) -> Option<(bool, f64, usize)> {
+        let largest = self.entries.iter().map(|(&j, v)| (v.abs(), j)).reduce(|a, b| if b.0 > a.0 { b } else { a });
+        largest.filter(|_| self.pivot.is_none()).map(|(v, j)| (self.error == 0.0, v / self.error, j))
+    }
+
+    /// Subtracts `factor` times the row that is solved for DOF j, so that DOF j vanishes.
+    fn eliminate(&mut self, j: usize, factor: f64, solved: &Self) {
+        for (&l, v) in &solved.entries {
+            let (old, part) = (self.entries.get(&l).copied().unwrap_or(0.0), factor * v);
+            let is_zero = l == j || (old - part).abs() <= NOISE * old.abs().max(part.abs());
+            if is_zero {
+                self.entries.remove(&l)
+            } else {
+                self.entries.insert(l, old - part)
+            };
+        }
+        self.sum -= factor * solved.sum;
+        self.error += (factor * solved.error).abs() + f64::EPSILON * (factor * solved.sum).abs();
+    }
+}
+
+/// The kept rows that are connected with the rows in `queue` through DOFs that seem to rest, ascending.
+fn reached(matrix: &Csr, kept: &[usize], moves: &[f64], mut queue: Vec<usize>) -> Vec<usize> {
+    let rows_of_dofs = matrix.transposed();
+    let mut is_waiting = vec![false; matrix.rows()];
+    kept.iter().for_each(|&i| is_waiting[i] = true);
+    queue.iter().for_each(|&i| is_waiting[i] = false);
+    let mut found = Vec::new();
+    while let Some(i) = queue.pop() {
+        found.push(i);
+        for (j, _) in matrix.row(i).filter(|&(j, v)| v != 0.0 && moves[j] == 0.0) {
+            let new = rows_of_dofs.row(j).map(|(k, _)| k).filter(|&k| std::mem::take(&mut is_waiting[k]));
+            queue.extend(new);
+        }
+    }
+    found.sort_unstable();
+    found
+}
+
+/// The DOFs that the rows move, with their motions.
+fn solve(rows: &mut [RestingRow]) -> Vec<(usize, f64)> {
+    let better = |a: &((bool, f64, usize), usize), b: &((bool, f64, usize), usize)| (b.0.0, b.0.1) > (a.0.0, a.0.1);
+    loop {
+        let best = rows.iter().enumerate().filter_map(|(i, row)| Some((row.best()?, i)));
+        let Some(((_, _, j), i)) = best.reduce(|a, b| if better(&a, &b) { b } else { a }) else { break };
+        let (before, rest) = rows.split_at_mut(i);
+        let Some((solved, after)) = rest.split_first_mut() else { break };
+        solved.pivot = Some(j);
+        let pivot = solved.entries[&j];
+        for row in before.iter_mut().chain(after) {
+            if let Some(v) = row.entries.get(&j) {
+                row.eliminate(j, v / pivot, solved);
+            }
+        }
+    }
+    let motion = |row: &RestingRow| {
+        let j = row.pivot.filter(|_| row.is_missed())?;
+        Some((j, -row.sum / row.entries[&j]))
+    };
+    rows.iter().filter_map(motion).collect()
+}
