@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use qless::{Analysis, ConstraintSystem, NearDependence, Options, analyse};
+use qless::{Analysis, ConstraintSystem, NearDependence, Options, SystemBuilder, analyse};
 use qless_scenes::families::{self, Near, near, typed_cosines, typed_twice};
 use qless_scenes::fssi::{self, Mesh};
 use qless_scenes::{Rng, Scene, SceneError};
@@ -101,6 +101,24 @@ fn pentagons_with_typed_cosines_are_meant_to_turn() -> Result<(), SceneError> {
         }
     }
     Ok(())
+}
+
+/// Five pairs of equations in a chain, which differ by e and by 3e-3 to 2e-2: no gap between these four, but a wide one below them.
+#[test]
+fn the_widest_gap_tells_near_dependence() {
+    for digits in 6..10 {
+        let e = 10_f64.powi(-digits);
+        let mut builder = SystemBuilder::new(11);
+        for (pair, e) in [e, 3e-3, 5e-3, 1e-2, 2e-2].into_iter().enumerate() {
+            let first = 2 * pair;
+            builder.equation((first..first + 3).map(|j| (j, 1.0)), 0.0);
+            builder.equation((first..first + 3).map(|j| (j, if j == first + 1 { 1.0 + e } else { 1.0 })), 0.0);
+        }
+        let (analysis, meant) = read(&builder.build().expect("valid"));
+        let near = meant.unwrap_or_else(|| panic!("{e:e}: nothing")).equations;
+        assert_eq!((analysis.rank(), near.len(), near[0].row), (10, 1, 1), "{e:e}: {near:?}");
+        assert!((0.5..2.0).contains(&(near[0].distance / e)), "{e:e}: {near:?}");
+    }
 }
 
 fn harmless() -> Result<Vec<(&'static str, Scene)>, SceneError> {

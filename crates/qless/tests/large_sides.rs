@@ -1,7 +1,7 @@
 //! Large right-hand sides hide no conflict, and a tolerance that the caller states settles doubts.
 
 use qless::common::SplitMix64;
-use qless::{Analysis, ConstraintSystem, Doubt, Effort, Kind, Options, SystemBuilder, Tolerance, analyse};
+use qless::{Analysis, ConstraintSystem, Doubt, Effort, Kind, Noise, Options, SystemBuilder, Tolerance, analyse};
 
 /// Coefficients of all DOFs, and the right-hand side.
 type Row = (Vec<f64>, f64);
@@ -102,6 +102,17 @@ fn a_stated_tolerance_decides_without_doubt() {
             let analysis = analyse(&system(&rows), &options).expect("small");
             assert_eq!((analysis.rank(), analysis.confidence().doubt), (rank, None), "{e:e} {tolerance:e}");
         }
+    }
+}
+
+/// `u1 - u2 = 1; u1 - u2 = 1.000001`: errors of the sides above the difference, as the caller states them, leave no doubt.
+#[test]
+fn stated_errors_of_sides_decide_without_doubt() {
+    let rows = [(vec![1.0, -1.0], 1.0), (vec![1.0, -1.0], 1.000_001)];
+    for noise in [Noise::Floors { coefficients: vec![0.0; 2], rhs: vec![1e-5; 2] }, Noise::Relative(1e-5)] {
+        let options = Options { noise, ..Options::default() };
+        let analysis = analyse(&system(&rows), &options).expect("small");
+        assert_eq!((analysis.rank(), conflicts(&analysis), analysis.confidence().doubt), (1, 0, None), "{options:?}");
     }
 }
 
