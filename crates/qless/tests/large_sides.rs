@@ -1,5 +1,8 @@
 //! Large right-hand sides hide no conflict, and a tolerance that the caller states settles doubts.
 
+use std::sync::Arc;
+
+use qless::change::Refresher;
 use qless::common::SplitMix64;
 use qless::{Analysis, ConstraintSystem, Doubt, Effort, Kind, Noise, Options, SystemBuilder, Tolerance, analyse};
 
@@ -172,9 +175,11 @@ fn a_dof_that_a_tiny_coefficient_fixes_has_its_value() {
         assert!(matches!(found, [(dof, _)] if *dof == place), "{seed}: {found:?}");
         let exact = ((b + tiny * value) - b) / tiny;
         // Sums of two doubles have 32 digits, and the sides are of size 1.
-        assert!(
-            (found[0].1 - exact).abs() <= (1e-12 * exact.abs()).max(1e-30 / tiny),
-            "{seed}: {found:?}, but {exact:e} is right"
-        );
+        let limit = (1e-12 * exact.abs()).max(1e-30 / tiny);
+        assert!((found[0].1 - exact).abs() <= limit, "{seed}: {found:?}, but {exact:e} is right");
+        let mut reduction = analysis.reduction().expect("small");
+        let refresher = Refresher::new(Arc::new(analysis)).expect("small");
+        let refreshed = refresher.refresh(&[b + tiny * value, b], &[], &mut reduction).expect("valid").generated;
+        assert!((refreshed[0].1 - exact).abs() <= limit, "{seed}: {refreshed:?}, but {exact:e} is right");
     }
 }
