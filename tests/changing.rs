@@ -161,6 +161,16 @@ fn only_what_is_touched_is_done_again() {
 }
 
 #[test]
+fn a_block_in_doubt_leaves_the_others_sure() {
+    let mut set = ChangingSystem::new(5, Options::default()).expect("few DOFs");
+    let near = [0.0, 1e-9].map(|e| set.add([(0, 1.0), (1, 1.0 + e), (2, 1.0)], 0.0).expect("valid"));
+    let sure = set.add([(3, 1.0), (4, 1.0)], 0.0).expect("valid");
+    set.update().expect("analysed");
+    let found = [near[0], near[1], sure].map(|id| set.block_of(id).map(|block| block.ambiguous()));
+    assert_eq!(found, [Some(true), Some(true), Some(false)]);
+}
+
+#[test]
 fn what_is_wrong_is_refused_and_changes_nothing() {
     let mut set = ChangingSystem::new(2, Options::default()).expect("few DOFs");
     assert_eq!(set.add([(2, 1.0)], 0.0), Err(ChangeError::DofOutOfRange { dof: 2, dofs: 2 }));
