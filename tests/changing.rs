@@ -1,7 +1,7 @@
 //! Constraints that are added and removed: after any sequence of changes the results are those of a new run, to the last bit.
 
 use proptest::prelude::*;
-use qless::change::{ChangeError, EquationId};
+use qless::change::{ChangeError, EquationId, SolvedBlock};
 use qless::{ChangingSystem, Kind, Options, SystemBuilder, analyse};
 
 const DOFS: usize = 24;
@@ -158,6 +158,16 @@ fn only_what_is_touched_is_done_again() {
     set.expand(&mut u).expect("long enough");
     assert_eq!((u[0], u[1], u[2]), (0.5, 0.5, 0.5));
     assert_eq!(set.kind(other), Some(Kind::Independent));
+}
+
+#[test]
+fn a_block_in_doubt_leaves_the_others_sure() {
+    let mut set = ChangingSystem::new(5, Options::default()).expect("few DOFs");
+    let near = [0.0, 1e-9].map(|e| set.add([(0, 1.0), (1, 1.0 + e), (2, 1.0)], 0.0).expect("valid"));
+    let sure = set.add([(3, 1.0), (4, 1.0)], 0.0).expect("valid");
+    set.update().expect("analysed");
+    let found = [near[0], near[1], sure].map(|id| set.block_of(id).map(SolvedBlock::ambiguous));
+    assert_eq!(found, [Some(true), Some(true), Some(false)]);
 }
 
 #[test]

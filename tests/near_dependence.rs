@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use qless::{Analysis, ConstraintSystem, NearDependence, Options, analyse};
+use qless::{Analysis, ConstraintSystem, NearDependence, Options, SystemBuilder, Tolerance, analyse};
 use qless_scenes::families::{self, Near, near, typed_cosines, typed_twice};
 use qless_scenes::fssi::{self, Mesh};
 use qless_scenes::{Rng, Scene, SceneError};
@@ -101,6 +101,69 @@ fn pentagons_with_typed_cosines_are_meant_to_turn() -> Result<(), SceneError> {
         }
     }
     Ok(())
+}
+
+/// Five pairs of equations in a chain, which differ by e and by 3e-3 to 2e-2: no gap between these four, but a wide one below them.
+#[test]
+fn the_widest_gap_tells_near_dependence() {
+    for digits in 6..10 {
+        let e = 10_f64.powi(-digits);
+        let mut builder = SystemBuilder::new(11);
+        for (pair, e) in [e, 3e-3, 5e-3, 1e-2, 2e-2].into_iter().enumerate() {
+            let first = 2 * pair;
+            builder.equation((first..first + 3).map(|j| (j, 1.0)), 0.0);
+            builder.equation((first..first + 3).map(|j| (j, if j == first + 1 { 1.0 + e } else { 1.0 })), 0.0);
+        }
+        let (analysis, meant) = read(&builder.build().expect("valid"));
+        let near = meant.unwrap_or_else(|| panic!("{e:e}: nothing")).equations;
+        assert_eq!((analysis.rank(), near.len(), near[0].row), (10, 1, 1), "{e:e}: {near:?}");
+        assert!((0.5..2.0).contains(&(near[0].distance / e)), "{e:e}: {near:?}");
+    }
+}
+
+/// A multiple of an equation whose coefficients span six decades, typed with six digits: the combination has the same factor, whether
+/// equations are scaled or not.
+#[test]
+fn combinations_are_in_the_units_of_their_equations() {
+    for seed in 0..200 {
+        let mut rng = Rng::new(seed);
+        let mut number = || (1.0 + rng.real()) * 10_f64.powi(2 + rng.below(7) as i32);
+        let (row, factor): (Vec<f64>, f64) = ((0..4).map(|_| number()).collect(), number());
+        let mut builder = SystemBuilder::new(4);
+        builder.equation(row.iter().copied().enumerate(), 0.0);
+        builder.equation(row.iter().enumerate().map(|(j, v)| (j, factor * v * (1.0 + [1e-6, -1e-6][j % 2]))), 0.0);
+        let system = builder.build().expect("valid");
+        for tolerance in [Options::default().tolerance, Tolerance::Paper] {
+            let analysis = analyse(&system, &Options { tolerance, ..Options::default() }).expect("small");
+            let near =
+                analysis.near_dependence().expect("small").unwrap_or_else(|| panic!("{seed}: nothing")).equations;
+            assert_eq!((near.len(), near[0].row, near[0].because.len()), (1, 1, 1), "{seed}: {near:?}");
+            let found = near[0].because[0].coefficient / factor;
+            assert!((found - 1.0).abs() <= 2e-6, "{seed}, {tolerance:?}: {found}");
+        }
+    }
+}
+
+/// Multiples of one equation, typed with six digits: the first is kept, and each other one is a multiple of it.
+#[test]
+fn the_first_of_several_near_equations_is_kept() {
+    for seed in 0..200 {
+        let mut rng = Rng::new(seed);
+        let row: Vec<f64> = (0..4).map(|_| 1.5 + 0.5 * rng.real()).collect();
+        let factors: Vec<f64> = (0..2 + rng.below(3)).map(|_| 1.5 + 0.5 * rng.real()).collect();
+        let mut builder = SystemBuilder::new(4);
+        for factor in &factors {
+            builder.equation(row.iter().map(|v| (factor * v * 1e6).round() / 1e6).enumerate(), 0.0);
+        }
+        let (analysis, meant) = read(&builder.build().expect("valid"));
+        let meant = meant.unwrap_or_else(|| panic!("{seed}: nothing"));
+        assert_eq!((meant.rank, meant.equations.len() + 1), (1, analysis.rank()), "{seed}");
+        for near in &meant.equations {
+            assert_eq!((near.because.len(), near.because[0].row), (1, 0), "{seed}: {near:?}");
+            let found = near.because[0].coefficient * factors[0] / factors[near.row];
+            assert!((found - 1.0).abs() <= 1e-5, "{seed}: {near:?}");
+        }
+    }
 }
 
 fn harmless() -> Result<Vec<(&'static str, Scene)>, SceneError> {

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use qless::change::{RefreshError, Refresher};
 use qless::{
-    Analysis, ArgumentError, BackendChoice, ConstraintSystem, Kind, Noise, Options, Preferences, Reduction,
+    Analysis, ArgumentError, BackendChoice, ConstraintSystem, Doubt, Kind, Noise, Options, Preferences, Reduction,
     SystemBuilder,
 };
 use qless_scenes::Rng;
@@ -18,6 +18,7 @@ use support::{check_reduction, diagnose, settings};
 on_each_backend!(
     right_hand_sides_are_those_of_a_fresh_run,
     conflicts_come_and_go,
+    doubts_of_sides_come_and_go,
     prescribed_values_contradict_and_agree,
     a_kept_equation_still_wins,
     what_is_preferred_holds_for_new_values,
@@ -113,6 +114,30 @@ fn right_hand_sides_are_those_of_a_fresh_run(backend: BackendChoice) {
             let wrong: Vec<f64> = (0..rhs.len()).map(|i| rhs[i] + 0.1 * (1 + i % 3) as f64).collect();
             check(system, &options, &wrong, &values);
         }
+    }
+}
+
+/// An equation typed twice, with sides that differ in the last digit or do not; a doubt of the rank stays whatever the sides are.
+fn doubts_of_sides_come_and_go(backend: BackendChoice) {
+    let typed = |second: f64, b: f64| {
+        let mut builder = SystemBuilder::new(2);
+        builder.equation([(0, 1.234), (1, 5.678)], 3.0);
+        builder.equation([(0, 2.468), (1, second)], b);
+        builder.build().expect("valid")
+    };
+    for options in settings(backend) {
+        let doubt = |second: f64, [b, next]: [f64; 2]| {
+            let analysis = Arc::new(diagnose(&typed(second, b), &options));
+            let fresh = diagnose(&typed(second, next), &options).confidence().doubt;
+            let mut reduction = analysis.reduction().expect("within the gate");
+            let refresher = Refresher::new(analysis).expect("factored");
+            let refreshed = refresher.refresh(&[3.0, next], &[], &mut reduction).expect("valid").confidence.doubt;
+            assert_eq!(refreshed, fresh);
+            fresh
+        };
+        assert_eq!(doubt(11.356, [6.0024, 6.0]), None);
+        assert_eq!(doubt(11.356, [6.0, 6.0024]), Some(Doubt::Mismatch));
+        assert!(doubt(11.356 * (1.0 + 1e-9), [6.0, 1.0]).is_some_and(|doubt| doubt != Doubt::Mismatch));
     }
 }
 

@@ -1,7 +1,7 @@
 //! The four efforts over 2,000 seeded systems of known rank: how often each is wrong without a word, and in doubt.
 
 use qless::exact::Reading;
-use qless::{Effort, Kind, Options, analyse};
+use qless::{Effort, Kind, Options, SystemBuilder, analyse};
 use qless_scenes::Rng;
 use qless_scenes::oracle::{consistent, rank_free};
 use rayon::prelude::*;
@@ -47,6 +47,28 @@ fn only_quick_may_be_wrong_without_a_word() {
     let [_, checked, proved, exact] = &tallies;
     assert!(checked.wrong.is_empty() && proved.wrong.is_empty() && exact.wrong.is_empty(), "{tallies:?}");
     assert!(proved.doubtful <= checked.doubtful + COUNT as usize / 100, "{tallies:?}");
+}
+
+/// Rows of a triangle in any order: row i has DOF i and some of the DOFs before it, and always the two DOFs before all rows, which are fixed
+/// or not. Whatever its numbers are, a proof needs no arithmetic.
+#[test]
+fn triangles_are_proved_by_their_pattern() {
+    for seed in 0..100 {
+        let mut random = Rng::new(seed);
+        let n = 3 + random.below(12);
+        let mut rows: Vec<Vec<usize>> =
+            (2..n + 2).map(|own| (0..own).filter(|&j| j < 2 || random.below(2) == 0).chain([own]).collect()).collect();
+        if seed % 2 == 0 {
+            rows.extend([vec![0], vec![1]]);
+        }
+        (1..rows.len()).for_each(|k| rows.swap(k, random.below(k + 1)));
+        let mut builder = SystemBuilder::new(n + 2);
+        rows.iter().for_each(|row| _ = builder.equation(row.iter().map(|&j| (j, random.real())), 0.0));
+        let options = Options { effort: Effort::Proved, ..Options::default() };
+        let analysis = analyse(&builder.build().expect("valid"), &options).expect("small");
+        let proof = analysis.proof().expect("asked for");
+        assert_eq!((proof.triangular, proof.unproved.len()), (rows.len(), 0), "{seed}: {proof:?}");
+    }
 }
 
 /// Eleven classes of systems, decimals and near dependence among them, against the singular values.

@@ -214,7 +214,7 @@ fn more_memory_than_allowed_is_refused() {
         refused += 1;
         memory += 256;
     }
-    // At least the bytes of A and R, and not many times as much.
+    // At least the bytes of A and R, and at most two and a half times as much, since what is freed no longer counts.
     let least = 16 * a.nnz() + 12 * whole.r.nnz();
-    assert!(refused > 10 && (least..12 * least).contains(&memory), "{memory} bytes for {least}");
+    assert!(refused > 10 && (least..5 * least / 2).contains(&memory), "{memory} bytes for {least}");
 }

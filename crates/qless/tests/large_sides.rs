@@ -1,7 +1,10 @@
 //! Large right-hand sides hide no conflict, and a tolerance that the caller states settles doubts.
 
+use std::sync::Arc;
+
+use qless::change::Refresher;
 use qless::common::SplitMix64;
-use qless::{Analysis, ConstraintSystem, Doubt, Effort, Kind, Options, SystemBuilder, Tolerance, analyse};
+use qless::{Analysis, ConstraintSystem, Doubt, Effort, Kind, Noise, Options, SystemBuilder, Tolerance, analyse};
 
 /// Coefficients of all DOFs, and the right-hand side.
 type Row = (Vec<f64>, f64);
@@ -105,6 +108,17 @@ fn a_stated_tolerance_decides_without_doubt() {
     }
 }
 
+/// `u1 - u2 = 1; u1 - u2 = 1.000001`: errors of the sides above the difference, as the caller states them, leave no doubt.
+#[test]
+fn stated_errors_of_sides_decide_without_doubt() {
+    let rows = [(vec![1.0, -1.0], 1.0), (vec![1.0, -1.0], 1.000_001)];
+    for noise in [Noise::Floors { coefficients: vec![0.0; 2], rhs: vec![1e-5; 2] }, Noise::Relative(1e-5)] {
+        let options = Options { noise, ..Options::default() };
+        let analysis = analyse(&system(&rows), &options).expect("small");
+        assert_eq!((analysis.rank(), conflicts(&analysis), analysis.confidence().doubt), (1, 0, None), "{options:?}");
+    }
+}
+
 /// `p u = 1; q u = d - 1; (p + q) u = 0; r u = L` with d = 0 or 1, and a component beside it whose solution needs more corrections. Whole
 /// numbers, so that d is exact. Beside `L = 1e15` rounded coefficients may hide d, and it counts as rounding.
 #[test]
@@ -161,9 +175,11 @@ fn a_dof_that_a_tiny_coefficient_fixes_has_its_value() {
         assert!(matches!(found, [(dof, _)] if *dof == place), "{seed}: {found:?}");
         let exact = ((b + tiny * value) - b) / tiny;
         // Sums of two doubles have 32 digits, and the sides are of size 1.
-        assert!(
-            (found[0].1 - exact).abs() <= (1e-12 * exact.abs()).max(1e-30 / tiny),
-            "{seed}: {found:?}, but {exact:e} is right"
-        );
+        let limit = (1e-12 * exact.abs()).max(1e-30 / tiny);
+        assert!((found[0].1 - exact).abs() <= limit, "{seed}: {found:?}, but {exact:e} is right");
+        let mut reduction = analysis.reduction().expect("small");
+        let refresher = Refresher::new(Arc::new(analysis)).expect("small");
+        let refreshed = refresher.refresh(&[b + tiny * value, b], &[], &mut reduction).expect("valid").generated;
+        assert!((refreshed[0].1 - exact).abs() <= limit, "{seed}: {refreshed:?}, but {exact:e} is right");
     }
 }

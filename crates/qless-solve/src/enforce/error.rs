@@ -235,3 +235,17 @@ impl std::fmt::Display for FreeMotion {
         write!(f, " (the largest force is {:.1e} of its terms)", self.resistance)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::FreeMotion;
+
+    #[test]
+    fn a_motion_of_any_size_has_the_same_dofs() {
+        for size in [1e-200, 1e-3, 1.0, 1e3, 1e200] {
+            let u = [2.0, -0.5, 3e-7, 3e-6].map(|u| u * size);
+            let found = FreeMotion::new(&u, &u, 0.0);
+            assert_eq!((&found.dofs[..], &found.motion[..2]), (&[0, 1, 3][..], &[1.0, -0.25][..]), "{size}");
+        }
+    }
+}

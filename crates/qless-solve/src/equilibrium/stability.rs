@@ -157,3 +157,21 @@ fn stiffened(a: &SparseMatrix, free: usize, shift: f64) -> Option<SparseMatrix> 
     list.retain(|entry| upper(entry.row, entry.col));
     SparseMatrix::try_new_from_triplets(free, free, &list).ok()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Stability::{self, NotSymmetric, Stable, Undecided, Unstable};
+
+    #[test]
+    fn motions_of_all_parts_count() {
+        let [one, two, three] = [1, 2, 3].map(|directions| Unstable { directions });
+        for (parts, all) in [
+            (vec![], Stable),
+            (vec![Stable, one, two, Stable], three),
+            (vec![one, Undecided, Stable], Undecided),
+            (vec![Undecided, NotSymmetric, one], NotSymmetric),
+        ] {
+            assert_eq!(Stability::of_parts(parts.into_iter()), all);
+        }
+    }
+}

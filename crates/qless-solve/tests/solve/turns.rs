@@ -4,6 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use qless_constraints::types::{Body, Fixed, LinearEquation, Point, Prescribed, Revolute, RigidBody, Spherical};
 use qless_constraints::{Constraint, ConstraintSet};
+use qless_solve::equilibrium::{self, Assembly, EquilibriumOptions, Model, Start, Target};
 use qless_solve::newton::{NewtonOptions, solve};
 
 use crate::linkages::{Outcome, random, rank};
@@ -65,5 +66,39 @@ fn a_whole_turn_is_left_behind() -> Outcome {
     let driven = solve(&set, &start, &[(3, TAU * 0.6), (4, 0.0), (5, TAU * 0.8)], &NewtonOptions::default())?;
     assert_eq!(driven.u[3..], start[3..]);
     assert_eq!(rank(&set, &solution.u)?, 6);
+    Ok(())
+}
+
+/// A spring with the moment `sin((theta - 5) / 2)`, which a whole turn changes.
+struct Spring;
+
+impl Model for Spring {
+    fn dofs(&self) -> usize {
+        6
+    }
+
+    fn pattern(&self, entry: &mut dyn FnMut(usize, usize)) {
+        entry(5, 5);
+    }
+
+    fn assemble(&mut self, u: &[f64], out: &mut Assembly) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
+        let (sin, cos) = (0.5 * (u[5] - 5.0)).sin_cos();
+        out.force(5, sin);
+        out.stiffness(5, 5, 0.5 * cos);
+        Ok(())
+    }
+}
+
+/// A vector with a spring is not shortened: the arm stays at 5 radians.
+#[test]
+fn vectors_with_a_spring_stay() -> Outcome {
+    let mut builder = ConstraintSet::builder(6);
+    builder.add("hinge", Revolute { a: Body::ground(), b: arm(0), at: [0.5; 3], axis: [0.0, 0.0, 1.0] })?;
+    let set = builder.build()?;
+    let hinged = solve(&set, &[0.0, 0.0, 0.0, 0.0, 0.0, 3.0], &[(5, 4.9)], &NewtonOptions::default())?;
+    let start = Start { u: hinged.u, ..Start::at_rest(&set) };
+    let target = Target { loads: &[0.0; 6], prescribed: &[] };
+    let found = equilibrium::solve(&mut Spring, &set, &start, &target, &EquilibriumOptions::default())?;
+    assert!((found.u[5] - 5.0).abs() < 1e-12, "{:?}", found.u);
     Ok(())
 }

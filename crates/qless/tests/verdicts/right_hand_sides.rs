@@ -6,7 +6,8 @@ use qless::{Options, SystemBuilder, analyse};
 
 use super::{Equations, below, counts, each, is_sure, system, triangular};
 
-/// `u1 + u2 = B + 1e-3; u2 = B; u1 = 1e-3` in any order: the sum has lost digits, so the others are kept.
+/// `u1 + u2 = B + 1e-3; u2 = B; u1 = 1e-3` in any order: the sum has lost digits, so the others are kept. The same if prescribed DOFs have
+/// these values and all sides are zero.
 #[test]
 fn every_consistent_equation_holds() {
     let orders = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
@@ -18,6 +19,12 @@ fn every_consistent_equation_holds() {
             let reduction = analysis.reduction().expect("small");
             let u = reduction.expand(&[], &[]).expect("no masters");
             assert!((u[0] - 1e-3).abs() <= 1e-13, "{name}, {size:e}, {order:?}: {u:?}");
+        });
+        let tied: [(&[(usize, f64)], f64); 3] =
+            [(&[(0, 1.0), (1, 1.0), (2, -1.0)], 0.0), (&[(1, 1.0), (3, -1.0)], 0.0), (&[(0, 1.0), (4, -1.0)], 0.0)];
+        each(&system(5, &order.map(|i| tied[i]), &[(2, size + 1e-3), (3, size), (4, 1e-3)]), |analysis, name| {
+            let fixed = analysis.generated().iter().find(|(j, _)| *j == 0).expect("a fixed DOF").1;
+            assert!((fixed - 1e-3).abs() <= 1e-13, "{name}, {size:e}, {order:?}: {fixed}");
         });
     }
 }
