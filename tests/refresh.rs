@@ -210,13 +210,13 @@ fn a_kept_equation_still_wins(backend: BackendChoice) {
 fn with_preferences(seed: u64, decades: usize) -> (ConstraintSystem, Preferences) {
     let mut rng = Rng::new(seed);
     let (n, m) = (3 + rng.below(10), 1 + rng.below(3));
-    let mut value = |rng: &mut Rng| match (rng.below(3), decades) {
+    let value = |rng: &mut Rng| match (rng.below(3), decades) {
         (0, _) => 0.0,
         (_, 0) => rng.below(7) as f64 - 3.0,
         _ => random(rng) * 10_f64.powi(rng.below(decades + 1) as i32 - decades as i32 / 2),
     };
     let mut rows: Vec<Vec<f64>> = (0..m).map(|_| (0..n).map(|_| value(&mut rng)).collect()).collect();
-    for _ in 0..1 + rng.below(2) {
+    for _ in 0..=rng.below(2) {
         let (a, b) = (rng.below(m), rng.below(m));
         let combination = rows[a].iter().zip(&rows[b]).map(|(x, y)| 2.0 * x - y).collect();
         rows.insert(rng.below(rows.len() + 1), combination);

@@ -7,7 +7,8 @@
 //! Refresher::refresh  ->  g, redundant or conflicting, fixed values     for each b and u_p, O(nnz)
 //! ```
 //!
-//! A refresh takes longer if right-hand sides are in doubt, as an analysis does: their certificates are then computed.
+//! A refresh takes longer if right-hand sides are in doubt, as an analysis does: their certificates are then computed. It also takes longer
+//! if a part has large residuals, as a reduction does: the columns of its slaves are then factored.
 //!
 //! T, G, the slaves and the independent equations depend on C only and do not change.
 
