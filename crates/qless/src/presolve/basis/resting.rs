@@ -8,7 +8,8 @@
 //! that each DOF is taken from the row that determines it best. A row k then receives the error `|a_kj| e_i / |a_ij| <= e_k`: a step at
 //! most doubles an error, and no row spoils a better one. Rows without moving DOFs have no error and come first.
 
-use std::collections::BTreeMap;
+use std::cmp::Ordering;
+use std::collections::{BTreeMap, BTreeSet, BinaryHeap, HashMap};
 
 use crate::Csr;
 
@@ -35,6 +36,7 @@ pub(super) fn set_needed(matrix: &Csr, kept: &[usize], moves: &mut [f64], error:
 }
 
 /// A kept row without its moving DOFs.
+#[derive(Default)]
 struct RestingRow {
     /// The coefficients of the DOFs that seem to rest.
     entries: BTreeMap<usize, f64>,
@@ -103,21 +105,56 @@ fn reached(matrix: &Csr, kept: &[usize], moves: &[f64], mut queue: Vec<usize>) -
     found
 }
 
+/// How well a row determines a DOF, for a queue with the best first. It is out of date if the row has changed since.
+#[derive(PartialEq)]
+struct Candidate {
+    is_exact: bool,
+    size: f64,
+    row: usize,
+    dof: usize,
+}
+
+impl Eq for Candidate {}
+
+impl Ord for Candidate {
+    fn cmp(&self, other: &Self) -> Ordering {
+        let size = || self.size.total_cmp(&other.size);
+        self.is_exact.cmp(&other.is_exact).then_with(size).then_with(|| other.row.cmp(&self.row))
+    }
+}
+
+impl PartialOrd for Candidate {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
 /// The DOFs that the rows move, with their motions.
 fn solve(rows: &mut [RestingRow]) -> Vec<(usize, f64)> {
-    let better = |a: &((bool, f64, usize), usize), b: &((bool, f64, usize), usize)| (b.0.0, b.0.1) > (a.0.0, a.0.1);
-    loop {
-        let best = rows.iter().enumerate().filter_map(|(i, row)| Some((row.best()?, i)));
-        let Some(((_, _, j), i)) = best.reduce(|a, b| if better(&a, &b) { b } else { a }) else { break };
-        let (before, rest) = rows.split_at_mut(i);
-        let Some((solved, after)) = rest.split_first_mut() else { break };
-        solved.pivot = Some(j);
-        let pivot = solved.entries[&j];
-        for row in before.iter_mut().chain(after) {
-            if let Some(v) = row.entries.get(&j) {
-                row.eliminate(j, v / pivot, solved);
-            }
+    // The rows that had a DOF at some time.
+    let mut rows_of: HashMap<usize, BTreeSet<usize>> = HashMap::new();
+    for (i, row) in rows.iter().enumerate() {
+        row.entries.keys().for_each(|&j| _ = rows_of.entry(j).or_default().insert(i));
+    }
+    let candidate = |row: usize, rows: &[RestingRow]| {
+        rows[row].best().map(|(is_exact, size, dof)| Candidate { is_exact, size, row, dof })
+    };
+    let mut queue: BinaryHeap<Candidate> = (0..rows.len()).filter_map(|i| candidate(i, rows)).collect();
+    while let Some(found) = queue.pop() {
+        let Candidate { row: i, dof: j, .. } = found;
+        if candidate(i, rows) != Some(found) {
+            continue;
         }
+        let mut solved = std::mem::take(&mut rows[i]);
+        solved.pivot = Some(j);
+        let holders: Vec<usize> = rows_of[&j].iter().copied().filter(|&k| rows[k].entries.contains_key(&j)).collect();
+        for k in holders {
+            let factor = rows[k].entries[&j] / solved.entries[&j];
+            rows[k].eliminate(j, factor, &solved);
+            solved.entries.keys().for_each(|&l| _ = rows_of.entry(l).or_default().insert(k));
+            queue.extend(candidate(k, rows));
+        }
+        rows[i] = solved;
     }
     let motion = |row: &RestingRow| {
         let j = row.pivot.filter(|_| row.is_missed())?;
