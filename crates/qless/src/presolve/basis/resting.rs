@@ -107,23 +107,23 @@ fn reached(matrix: &Csr, kept: &[usize], moves: &[f64], mut queue: Vec<usize>) -
 
 /// How well a row determines a DOF, for a queue with the best first. It is out of date if the row has changed since.
 #[derive(PartialEq)]
-struct Candidate {
+struct PivotCandidate {
     is_exact: bool,
     size: f64,
     row: usize,
     dof: usize,
 }
 
-impl Eq for Candidate {}
+impl Eq for PivotCandidate {}
 
-impl Ord for Candidate {
+impl Ord for PivotCandidate {
     fn cmp(&self, other: &Self) -> Ordering {
         let size = || self.size.total_cmp(&other.size);
         self.is_exact.cmp(&other.is_exact).then_with(size).then_with(|| other.row.cmp(&self.row))
     }
 }
 
-impl PartialOrd for Candidate {
+impl PartialOrd for PivotCandidate {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
@@ -137,11 +137,11 @@ fn solve(rows: &mut [RestingRow]) -> Vec<(usize, f64)> {
         row.entries.keys().for_each(|&j| _ = rows_of.entry(j).or_default().insert(i));
     }
     let candidate = |row: usize, rows: &[RestingRow]| {
-        rows[row].best().map(|(is_exact, size, dof)| Candidate { is_exact, size, row, dof })
+        rows[row].best().map(|(is_exact, size, dof)| PivotCandidate { is_exact, size, row, dof })
     };
-    let mut queue: BinaryHeap<Candidate> = (0..rows.len()).filter_map(|i| candidate(i, rows)).collect();
+    let mut queue: BinaryHeap<PivotCandidate> = (0..rows.len()).filter_map(|i| candidate(i, rows)).collect();
     while let Some(found) = queue.pop() {
-        let Candidate { row: i, dof: j, .. } = found;
+        let PivotCandidate { row: i, dof: j, .. } = found;
         if candidate(i, rows) != Some(found) {
             continue;
         }
