@@ -30,7 +30,7 @@ use crate::input::numbering::LocalSystem;
 use crate::input::scale::ldexp;
 use crate::presolve::basis::Basis;
 use crate::presolve::eliminated::Mismatch;
-use crate::reduction::retry::{self, Terms};
+use crate::reduction::retry::{self, CheckedTerms};
 use crate::{Analysis, ArgumentError, ConstraintSystem, Effort, Reduction, ReductionError};
 
 /// A sum below this, relative to its largest term, is rounding.
@@ -253,10 +253,12 @@ impl Refresher {
         let sides = self.write_factored(replay, reduction);
         let local = self.analysis.numbering.view(self.system(), replay.rhs);
         let independent = self.analysis.independent();
-        retry::checked(reduction, local, Terms::Constants, &self.analysis.rules(&independent)).inspect_err(|_| {
-            reduction.g = old;
-            reduction.factored.iter_mut().zip(sides).for_each(|(block, side)| block.rhs = side);
-        })?;
+        retry::checked(reduction, local, CheckedTerms::Constants, &self.analysis.rules(&independent)).inspect_err(
+            |_| {
+                reduction.g = old;
+                reduction.factored.iter_mut().zip(sides).for_each(|(block, side)| block.rhs = side);
+            },
+        )?;
         Ok(())
     }
 

@@ -13,7 +13,7 @@
 //!
 //! Each stage is a plain function from one owned value to the next.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::Instant;
 
 use rayon::prelude::*;
@@ -88,7 +88,11 @@ pub(super) fn read(
     let list = |gone: &BTreeSet<usize>, _: &PassResult| Ok(gone.iter().map(|row| exchanged[row].clone()).collect());
     let rows = exchanged.keys().copied().collect();
     let is_worse = |before: &_, after: &_, labels: &_, _: &_| has_another_rank(before, after, labels);
-    let (verified, _) = pipeline.without(rows, verified, options.presolve, list, is_worse)?;
+    let error = verified.confidence.error;
+    let (mut verified, absent) = pipeline.without(rows, verified, options.presolve, list, is_worse)?;
+    if absent.len() > given_up.len() {
+        verified.confidence = pipeline.with_exchanged(&verified, exchanged, error);
+    }
     let VerifiedPass { mut pass, confidence } = verified;
     let immobile = std::mem::take(&mut pass.probe.immobile);
     let fixed = generated::find(immobile, local, &pass.basis, &pass.history, &scaling, &pass.keys);
@@ -178,8 +182,7 @@ impl Pipeline<'_> {
     }
 
     /// Runs without the equations in `gone`, too, which then are dependent as `list` says. They are taken back in the components for which
-    /// `is_worse`, given the results before and after, is true. Returns the result and all equations left out. What the first run
-    /// dropped stays part of the confidence.
+    /// `is_worse`, given the results before and after, is true. Returns the result and all equations left out.
     fn without(
         &self,
         mut gone: BTreeSet<usize>,
@@ -203,16 +206,17 @@ impl Pipeline<'_> {
             let count = gone.len();
             gone.retain(|&row| !is_worse[labels.of_row[row] as usize]);
             if gone.len() == count {
-                other.confidence = self.with_absent(&other, first.confidence.error);
                 return Ok((other, absent));
             }
         }
         Ok((first, self.absent.clone()))
     }
 
-    /// The confidence of a run without some equations, with those among the dependent ones and with an error e of at least `error`.
-    fn with_absent(&self, VerifiedPass { pass, confidence }: &VerifiedPass, error: f64) -> Confidence {
-        let differ = confidence::are_sides_in_doubt(&pass.dependent, &pass.history, self.rule, self.tolerance);
+    /// The confidence of a run on preferred equations: another choice of equations, before which the error was `error`, removes no doubt.
+    fn with_exchanged(&self, run: &VerifiedPass, exchanged: BTreeMap<usize, Dependent>, error: f64) -> Confidence {
+        let VerifiedPass { pass, confidence } = run;
+        let exchanged: Vec<Dependent> = exchanged.into_values().collect();
+        let differ = confidence::are_sides_in_doubt(&exchanged, &pass.history, self.rule, self.tolerance);
         let doubt = confidence.doubt.or(differ.then_some(Doubt::Mismatch));
         Confidence::of(confidence.distance, confidence.error.max(error), self.tolerance, doubt)
     }

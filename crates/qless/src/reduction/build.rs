@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::exchange_goals::{self, bound_growth, meet_preferences};
 use super::factored::{factor, predict};
 use super::relation::{self, ReductionInput};
-use super::retry::{self, Rules, Terms};
+use super::retry::{self, CheckRules, CheckedTerms};
 use super::{FactoredBlock, Form, Reduction, ReductionError, block, output};
 use crate::factor::backend::BackendError;
 use crate::input::components::Labels;
@@ -105,13 +105,13 @@ impl Analysis {
     pub fn residual(&self, reduction: &Reduction) -> Result<f64, ArgumentError> {
         reduction.fits(&self.system)?;
         let local = self.local();
-        let [matrices, constants] = self.rules(&self.independent()).residuals(local, reduction, Terms::All);
+        let [matrices, constants] = self.rules(&self.independent()).residuals(local, reduction, CheckedTerms::All);
         Ok(matrices.worse(constants).worst)
     }
 
     /// How reductions of this analysis are checked.
-    pub(crate) fn rules<'a>(&'a self, independent: &'a [bool]) -> Rules<'a> {
-        Rules { independent, scaling: &self.scaling, memory: self.options.memory }
+    pub(crate) fn rules<'a>(&'a self, independent: &'a [bool]) -> CheckRules<'a> {
+        CheckRules { independent, scaling: &self.scaling, memory: self.options.memory }
     }
 
     fn input<'a>(&'a self, basis: &'a Basis, bounds: &'a [f64]) -> ReductionInput<'a> {
@@ -249,7 +249,7 @@ fn build(
     let reduction = output::write(system, &relation);
     let growth = factored.iter().map(|block| block.growth).fold(relation.growth, f64::max);
     let mut reduction = Reduction { growth, exchanges, factored, ..reduction };
-    retry::checked(&mut reduction, local, Terms::All, &input.rules()).map(|()| reduction)
+    retry::checked(&mut reduction, local, CheckedTerms::All, &input.rules()).map(|()| reduction)
 }
 
 impl Reduction {

@@ -2,7 +2,7 @@
 //!
 //! If the equation of a slave contains no other slave, its row is the row of the basis, which is not copied.
 
-use super::retry::Rules;
+use super::retry::CheckRules;
 use crate::input::numbering::LocalSystem;
 use crate::input::preferences::SlavePreferences;
 use crate::input::scale::Scaling;
@@ -30,8 +30,8 @@ pub(crate) struct ReductionInput<'a> {
 
 impl ReductionInput<'_> {
     /// How the reduction is checked.
-    pub fn rules(&self) -> Rules<'_> {
-        Rules { independent: &self.independent, scaling: self.scaling, memory: self.memory }
+    pub fn rules(&self) -> CheckRules<'_> {
+        CheckRules { independent: &self.independent, scaling: self.scaling, memory: self.memory }
     }
 }
 

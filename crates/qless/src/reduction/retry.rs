@@ -18,7 +18,7 @@ use crate::input::scale::{Scaling, ldexp};
 
 /// The terms of a reduction that are checked and may be computed again.
 #[derive(Clone, Copy, PartialEq)]
-pub(crate) enum Terms {
+pub(crate) enum CheckedTerms {
     /// T, G and g.
     All,
     /// Only g: T and G depend on C alone.
@@ -26,18 +26,18 @@ pub(crate) enum Terms {
 }
 
 /// How the reductions of an analysis are checked.
-pub(crate) struct Rules<'a> {
+pub(crate) struct CheckRules<'a> {
     pub independent: &'a [bool],
     pub scaling: &'a Scaling,
     pub memory: usize,
 }
 
-impl Rules<'_> {
+impl CheckRules<'_> {
     /// The residuals of T and G, and those of g.
-    pub fn residuals(&self, local: LocalSystem, reduction: &Reduction, terms: Terms) -> [Residuals; 2] {
+    pub fn residuals(&self, local: LocalSystem, reduction: &Reduction, terms: CheckedTerms) -> [Residuals; 2] {
         let Self { independent, scaling, .. } = *self;
         let matrices = || residual_check::residuals_of_matrices(local, reduction, independent, scaling);
-        let of_matrices = (terms == Terms::All).then(matrices).unwrap_or_default();
+        let of_matrices = (terms == CheckedTerms::All).then(matrices).unwrap_or_default();
         [of_matrices, residual_check::residuals_of_g(local, reduction, independent, scaling)]
     }
 }
@@ -47,8 +47,8 @@ impl Rules<'_> {
 pub(crate) fn checked(
     reduction: &mut Reduction,
     local: LocalSystem,
-    terms: Terms,
-    rules: &Rules,
+    terms: CheckedTerms,
+    rules: &CheckRules,
 ) -> Result<(), ReductionError> {
     let found = rules.residuals(local, reduction, terms);
     if found.iter().all(|found| found.above.is_empty()) {
@@ -61,7 +61,7 @@ pub(crate) fn checked(
     let wanted: Vec<u32> = wanted.into_iter().collect();
     let rows = compute(local, reduction, &labels, terms, rules, &wanted);
     let mut tried = reduction.clone();
-    replace(&mut tried, &rows, |_| [terms == Terms::All, true]);
+    replace(&mut tried, &rows, |_| [terms == CheckedTerms::All, true]);
     let after = rules.residuals(local, &tried, terms).map(|found| worst_by_part(&found, &labels));
     drop(tried);
     // A part whose residual did not decrease keeps its rows.
@@ -108,8 +108,8 @@ fn compute(
     local: LocalSystem,
     reduction: &Reduction,
     labels: &Labels,
-    terms: Terms,
-    &Rules { independent, scaling, memory }: &Rules,
+    terms: CheckedTerms,
+    &CheckRules { independent, scaling, memory }: &CheckRules,
     wanted: &[u32],
 ) -> Vec<Option<RecomputedRow>> {
     let mut equations = vec![Vec::new(); wanted.len()];
@@ -125,7 +125,7 @@ fn compute(
         let Ok(order) = crate::factor::backend::sparse::order(&part.slaves) else { continue };
         let Ok(lu) = lu::factor(&part.slaves, &order, |_| true, memory) else { continue };
         let solver = SlaveSolver::new(&part.slaves, lu);
-        let right = if terms == Terms::All { &part.right } else { &Csr::empty(part.right.cols) };
+        let right = if terms == CheckedTerms::All { &part.right } else { &Csr::empty(part.right.cols) };
         let (columns, g) = (solver.solve(right), solver.solve_dense(&part.rhs));
         part.write(&mut rows, &solver, &columns.transposed(), &g);
     }
