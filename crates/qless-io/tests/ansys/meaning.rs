@@ -106,6 +106,15 @@ fn selections_of_all() {
     }
     // A file that is not read may define what a command names.
     assert_eq!(deck("CDREAD,DB,a,cdb\nD,END,UX\n").model().left_out().count(), 2);
+    // A model that replaces another matters if something is constrained or solved after it.
+    for (after, left_out) in
+        [("", 0), ("/POST1\nPLNSOL,U\n", 0), ("SOLVE\n", 1), ("D,1,UX,1\n", 1), ("CP,1,UX,1,2\n", 1)]
+    {
+        for replaced in ["RESUME,TABLE", "/CLEAR", "CDREAD,DB,a,cdb", "PARRES,,a"] {
+            let deck = deck(&format!("N,1\nN,2\nCE,1,0,1,UX,1,2,UX,1\nSOLVE\n{replaced}\n{after}"));
+            assert_eq!((deck.model().left_out().count(), warnings(&deck).len()), (left_out, 1), "{replaced}, {after}");
+        }
+    }
     // Values of unknown nodes matter where there are equations.
     for (equation, left_out) in [("", 0), ("CE,1,0,1,UX,1,2,UX,1\n", 3), ("CEINTF\n", 4)] {
         let deck = deck(&format!("NSEL,S,LOC,X,0\nD,ALL,UX\nDSYM,SYMM,X\nDL,1,,UX\n{equation}"));

@@ -39,6 +39,9 @@ impl AnsysReader {
         }
         let (line, title) = (command.line, command.title());
         let constrains = self.constrains(command.key);
+        if constrains || matches!(&command.key, b"SOLV" | b"LSWR") {
+            self.use_replaced();
+        }
         if constrains && self.control.state() == Execution::Unknown {
             let text =
                 format!("{title} is in *IF, *DO or *CREATE, and it is not known whether it is executed: left out");

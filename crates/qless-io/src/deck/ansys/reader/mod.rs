@@ -141,6 +141,7 @@ impl AnsysReader {
             let text = "*DO, *IF or *CREATE is never closed: constraints that it may still make are left out";
             self.leave_out(line, text.to_owned());
         }
+        self.end_replaced();
         self.say_values_left_out();
         if self.unread.omitted > 0 {
             let text = format!("and {} more warnings", self.unread.omitted);

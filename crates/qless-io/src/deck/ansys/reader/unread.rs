@@ -17,6 +17,8 @@ const WARNINGS: usize = 1000;
 pub struct UnreadCommands {
     effects: FxHashMap<CommandKey, CommandEffect>,
     warned: FxHashSet<Vec<u8>>,
+    /// Lines and titles of commands that replace the model, while nothing that comes later uses it.
+    replaced: Vec<(u32, String)>,
     /// Number of warnings beyond the limit, which are not stored.
     pub omitted: usize,
     /// Whether one of the omitted warnings is about a constraint that is left out.
@@ -108,6 +110,10 @@ impl AnsysReader {
                 self.values_left_out.push((command.line, text));
             }
             CommandEffect::ReadsOthers if command.key == *b"*REP" && !self.constrained => {}
+            CommandEffect::Replaces => {
+                self.nodes.are_generated = true;
+                self.unread.replaced.push((command.line, title));
+            }
             CommandEffect::ReadsOthers => {
                 (self.nodes.are_generated, self.made.unread) = (true, true);
                 self.leave_out(
@@ -148,6 +154,24 @@ impl AnsysReader {
         } else {
             self.unread.omitted += 1;
             self.unread.leaves_out = true;
+        }
+    }
+
+    /// Leaves out the constraints of a model that replaced the one before, and that a command uses now.
+    pub fn use_replaced(&mut self) {
+        for (line, title) in std::mem::take(&mut self.unread.replaced) {
+            self.made.unread = true;
+            self.leave_out(line, format!("{title} is not followed: constraints that it makes are left out"));
+        }
+    }
+
+    /// What is replaced after the last solution only serves output. A deck without a solution is a model that others solve.
+    pub fn end_replaced(&mut self) {
+        if self.solved_at.is_none() {
+            self.use_replaced();
+        }
+        for (line, title) in std::mem::take(&mut self.unread.replaced) {
+            self.warn(line, format!("{title} is not followed: nothing is constrained or solved after it"));
         }
     }
 

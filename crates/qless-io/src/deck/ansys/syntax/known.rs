@@ -11,8 +11,10 @@ pub enum CommandEffect {
     Prescribes,
     /// The command generates nodes.
     MakesNodes,
-    /// The command reads other files, or makes ANSYS execute other commands.
+    /// The command makes ANSYS execute other commands.
     ReadsOthers,
+    /// The command replaces the model, or parameters, by what a file has, or by nothing.
+    Replaces,
     /// The command has no effect on constraints.
     Nothing,
     Unknown,
@@ -29,8 +31,11 @@ const PRESCRIBE: &str = "DSYM DK DL DA DTRA SBCT";
 const NODES: &str = "NGEN FILL NSYM NREA NDIS KMES LMES AMES VMES FVME IMES VSWE VDRA VROT VEXT EXTO EGEN EINT ESUR ENGE NKPT \
     CENT NMOV UPGE EREI ESYM ENSY VOFF AMAP VMAP XMES OMES NWPL NORA EMOR EORI NTRA  TRNO MOVE EREA EMID";
 
-/// Commands that read other files or execute other commands.
-const OTHERS: &str = "/INP *USE CDRE RESU INRE PARR LSRE LDRE LSSO IGES /CLE *REP *GO ~CAT EXUN FLRE";
+/// Commands that execute other commands.
+const OTHERS: &str = "/INP *USE INRE LSRE LSSO IGES *REP *GO ~CAT EXUN";
+
+/// Commands that replace the model or parameters.
+const REPLACE: &str = "CDRE RESU PARR LDRE /CLE FLRE";
 
 /// Commands of archives and plain decks without effect on constraints: elements, materials, sections, loads, output, the solid model.
 const NOTHING: &str = "ET EN E EBLO TYPE MAT REAL SECN SECT SECD SECO SECB SECC SECF SECP ESYS KEYO KEYW R RMOR RLBL RDEL \
@@ -62,6 +67,7 @@ pub fn effect(key: CommandKey) -> CommandEffect {
         _ if among(CONSTRAIN) => CommandEffect::Constrains,
         _ if among(PRESCRIBE) => CommandEffect::Prescribes,
         _ if among(OTHERS) => CommandEffect::ReadsOthers,
+        _ if among(REPLACE) => CommandEffect::Replaces,
         _ if among(NODES) => CommandEffect::MakesNodes,
         Some(b'/' | b'*' | b':') => CommandEffect::Nothing,
         _ if among(NOTHING) => CommandEffect::Nothing,
