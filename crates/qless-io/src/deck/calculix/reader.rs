@@ -20,7 +20,7 @@ pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
     let mut definitions = DeckDefinitions::read(sources, |card| has_mpc |= mpc::is_nonlinear(card))?;
     check_fields(&definitions, sources)?;
     // In ccx, some types of `*MPC` make all steps nonlinear.
-    definitions.is_nonlinear |= has_mpc && sources.solver() == Solver::Ccx;
+    definitions.steps.is_nonlinear |= has_mpc && sources.solver() == Solver::Ccx;
     let mut reader = CalculixReader::new(sources, definitions)?;
     if reader.solver == Solver::Ccx {
         refused::byte_order_marks(sources, &mut reader.model);
@@ -140,7 +140,7 @@ impl CalculixReader {
             b"*CLOAD" => self.values.load(card, &mut self.model, &self.definitions)?,
             b"*STEP" => {
                 // For several nodal diameters, the values of all steps decide whether the equations can be read.
-                if !self.definitions.has_diameters {
+                if !self.definitions.steps.has_diameters {
                     self.cyclic_symmetry()?;
                 }
                 self.values.begin_step();
@@ -247,7 +247,7 @@ impl CalculixReader {
             self.model.cards.keep_whole();
         }
         self.model.traits.has_local_axes = !self.definitions.transforms.is_empty();
-        self.model.traits.is_nonlinear = self.definitions.is_nonlinear;
+        self.model.traits.is_nonlinear = self.definitions.steps.is_nonlinear;
         self.model.shrink();
         Ok(self.model)
     }

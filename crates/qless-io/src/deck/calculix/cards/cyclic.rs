@@ -39,10 +39,10 @@ pub fn read(
     place.mark_irreplaceable(model);
     let sector = Sector::new(card, tie, definitions);
     let sector = sector.map_err(|problem| place.fail(model, problem))?;
-    let is_complex = definitions.has_diameters && !sector.is_alone(model);
+    let is_complex = definitions.steps.has_diameters && !sector.is_alone(model);
     let rows = if is_complex { None } else { sector.rows().map_err(|p| place.fail(model, p))? };
     if let Some(rows) = rows {
-        if definitions.has_diameters {
+        if definitions.steps.has_diameters {
             let text = "the equations are those of nodal diameter 0; those of others have complex factors, which change no verdict";
             model.warn(card.file, card.line, format!("*CYCLIC SYMMETRY MODEL: {text}"));
         }

@@ -90,7 +90,7 @@ impl<'a> HeldRotations<'a> {
         let are_beams = || shapes.iter().all(|shape| !shape.is_shell() && shape.rotates && !shape.is_flat);
         let has_axis = || self.axes.get(&node).is_some_and(Option::is_some);
         // Rigid bodies, which nonlinear dynamic steps make instead of mean rotations, may leave the stiffness singular.
-        let is_mean = !self.definitions.is_dynamic && !self.turned.contains(&node);
+        let is_mean = !self.definitions.steps.is_dynamic && !self.turned.contains(&node);
         is_mean && (are_shells && given.value == 0.0 || are_beams() && has_axis())
     }
 }

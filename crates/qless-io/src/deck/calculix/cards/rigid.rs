@@ -102,7 +102,7 @@ pub fn read(
         return Ok(None);
     }
     // Equations in the deck cannot name a reference node that the solver makes: the deck has no number for it.
-    if definitions.is_nonlinear || made.is_some() {
+    if definitions.steps.is_nonlinear || made.is_some() {
         place.mark_irreplaceable(model);
     } else if let Some(reference) = used.filter(|_| card.parameter("ROTNODE").is_none()) {
         own_rotation(&place, reference, model, definitions);
@@ -225,7 +225,7 @@ pub fn own_rotation(
 ) {
     let node = reference.node;
     let is_plain = definitions.pose(node).is_ok_and(|pose| pose.axes == BASIC_AXES);
-    if is_plain && !definitions.is_nonlinear && !definitions.rotates(node) {
+    if is_plain && !definitions.steps.is_nonlinear && !definitions.rotates(node) {
         model.own_rotations.insert(reference.rotation);
     } else {
         place.mark_irreplaceable(model);

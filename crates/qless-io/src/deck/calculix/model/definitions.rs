@@ -21,6 +21,17 @@ use crate::deck::kinematics::vector::Vector;
 use crate::deck::source::SolverReason;
 use crate::deck::{DeckError, Problem, Solver, Sources};
 
+/// What steps of the deck ask for.
+#[derive(Default)]
+pub struct StepTraits {
+    /// Whether a step is geometrically nonlinear.
+    pub is_nonlinear: bool,
+    /// Whether a step integrates over time.
+    pub is_dynamic: bool,
+    /// Whether a step asks for modes of several nodal diameters.
+    pub has_diameters: bool,
+}
+
 /// The definitions of a deck: nodes, sets, elements and so on. They are kept as text until they are needed.
 #[derive(Default)]
 pub struct DeckDefinitions {
@@ -55,12 +66,8 @@ pub struct DeckDefinitions {
     pub(super) expanded: OnceCell<FxHashMap<u32, Vec<ElementShape>>>,
     /// Positions of the nodes that the solver makes.
     made: RefCell<FxHashMap<u32, Vector>>,
-    /// Whether a step is geometrically nonlinear.
-    pub is_nonlinear: bool,
-    /// Whether a step integrates over time.
-    pub is_dynamic: bool,
-    /// Whether the deck asks for modes of several nodal diameters.
-    pub has_diameters: bool,
+    /// What steps of the deck ask for.
+    pub steps: StepTraits,
     /// Estimated number of equations and of their terms, used to reserve memory.
     pub equations: usize,
     pub terms: usize,
@@ -152,9 +159,9 @@ impl DeckDefinitions {
             }
             b"*ORIENTATION" => _ = self.orientations.insert(key("NAME"), axes(card, "SYSTEM")),
             b"*AMPLITUDE" => self.amplitudes.extend(card.word("NAME")),
-            b"*STEP" => self.is_nonlinear |= card.word("NLGEOM").is_some_and(|value| value != "NO"),
-            b"*DYNAMIC" => self.is_dynamic = true,
-            b"*SELECTCYCLICSYMMETRYMODES" => self.has_diameters = true,
+            b"*STEP" => self.steps.is_nonlinear |= card.word("NLGEOM").is_some_and(|value| value != "NO"),
+            b"*DYNAMIC" => self.steps.is_dynamic = true,
+            b"*SELECTCYCLICSYMMETRYMODES" => self.steps.has_diameters = true,
             b"*EQUATION" => card.data.iter().for_each(|piece| self.count(piece)),
             b"*SYSTEM" => self.system(card),
             b"*NGEN" => self.generate_nodes(card),
