@@ -13,7 +13,7 @@ fn strip(kind: &str, axes: [[f64; 3]; 3], cards: &str, force: f64) -> String {
     let order = if kind.starts_with("B32") || kind.contains(['6', '8']) { 2 } else { 1 };
     let width = if kind.starts_with('B') { 0 } else { order };
     let (mut text, node) = ("*NODE, NSET=NALL\n".to_owned(), |i: usize, j: usize| 1 + i + 100 * j);
-    let ends = |i| (0..=width).map(move |j| format!("{}\n", node(i, j))).collect::<String>();
+    let ends = |i| (0..=width).map(|j| node(i, j).to_string()).collect::<Vec<_>>().join("\n");
     for (i, j) in (0..=4 * order)
         .flat_map(|i| (0..=width).map(move |j| (i, j)))
         .filter(|(i, j)| order == 1 || width == 0 || i % 2 + j % 2 < 2 || kind.contains('6'))
@@ -22,8 +22,13 @@ fn strip(kind: &str, axes: [[f64; 3]; 3], cards: &str, force: f64) -> String {
         let [a, b, c] = [0, 1, 2].map(|k| x * axes[0][k] + y * axes[1][k]);
         writeln!(text, "{},{a},{b},{c}", node(i, j)).expect("text");
     }
-    writeln!(text, "*NSET, NSET=FIRST\n{}*NSET, NSET=LAST\n{}*ELEMENT, TYPE={kind}, ELSET=E", ends(0), ends(4 * order))
-        .expect("text");
+    writeln!(
+        text,
+        "*NSET, NSET=FIRST\n{}\n*NSET, NSET=LAST\n{}\n*ELEMENT, TYPE={kind}, ELSET=E",
+        ends(0),
+        ends(4 * order)
+    )
+    .expect("text");
     for e in 0..4 {
         let at = |i: usize, j: usize| node(e * order + i, j);
         let elements: Vec<Vec<usize>> = match (width, order, kind.contains(['3', '6'])) {
@@ -48,7 +53,8 @@ fn strip(kind: &str, axes: [[f64; 3]; 3], cards: &str, force: f64) -> String {
     } else {
         SHELL.to_owned()
     };
-    let loads: String = (1..=3).map(|c| format!("LAST,{c},{}\n", force * axes[2][c - 1])).collect();
+    let [x, y, z] = axes[2].map(|component| force * component);
+    let loads = format!("LAST,1,{x}\nLAST,2,{y}\nLAST,3,{z}\n");
     format!(
         "{text}*MATERIAL, NAME=M\n*ELASTIC\n1e6,0.\n{section}*BOUNDARY\nFIRST,1,6\n{cards}*STEP\n*STATIC\n*CLOAD\n{loads}*NODE PRINT, NSET=LAST\nU\n\
          *END STEP\n"
@@ -78,7 +84,8 @@ fn prescribed_rotations_of_shells_and_of_beams_along_an_axis_hold() {
         assert!((0.15..0.35).contains(&(held / free)), "{kind} {axes:?}: {held} {free}");
         if is_beam {
             // The third axis turns to the first for a positive rotation about the second.
-            let values: String = (0..3).map(|c| format!("LAST,{},{0},{}\n", c + 4, -1e-3 * axes[1][c])).collect();
+            let [x, y, z] = axes[1].map(|component| -1e-3 * component);
+            let values = format!("LAST,4,4,{x}\nLAST,5,5,{y}\nLAST,6,6,{z}\n");
             let text = strip(kind, axes, &format!("*BOUNDARY\n{values}"), 0.0);
             let found = deflection(&text, axes).expect("solved");
             assert!((found - 2e-3).abs() < 1e-4, "{kind} {axes:?}: {found}");
