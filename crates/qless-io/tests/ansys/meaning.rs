@@ -104,12 +104,18 @@ fn selections_of_all() {
     for lost in ["N,1\n/CLEAR\n", "NUMMRG,NODE\n", "NUMMRG,ALL\n", "RESUME,a,db\n", "CDREAD,DB,a,cdb\n"] {
         assert_eq!(deck(lost).model().left_out().count(), 1, "{lost}");
     }
-    // A file that is not read may define what a command names.
+    // A file that is not read may define what a command names. Without one, the name is wrong.
+    assert!(crate::parse::try_deck("NGEN,2,1,1\nD,END,UX\n").is_err());
     assert_eq!(deck("CDREAD,DB,a,cdb\nD,END,UX\n").model().left_out().count(), 2);
     // A model that replaces another matters if something is constrained or solved after it.
-    for (after, left_out) in
-        [("", 0), ("/POST1\nPLNSOL,U\n", 0), ("SOLVE\n", 1), ("D,1,UX,1\n", 1), ("CP,1,UX,1,2\n", 1)]
-    {
+    for (after, left_out) in [
+        ("", 0),
+        ("/POST1\nPLNSOL,U\n", 0),
+        ("SOLVE\n", 1),
+        ("LSSOLVE,1,1\n", 1),
+        ("D,1,UX,1\n", 1),
+        ("CP,1,UX,1,2\n", 1),
+    ] {
         for replaced in ["RESUME,TABLE", "/CLEAR", "CDREAD,DB,a,cdb", "PARRES,,a"] {
             let deck = deck(&format!("N,1\nN,2\nCE,1,0,1,UX,1,2,UX,1\nSOLVE\n{replaced}\n{after}"));
             assert_eq!((deck.model().left_out().count(), warnings(&deck).len()), (left_out, 1), "{replaced}, {after}");
@@ -191,7 +197,7 @@ fn what_is_not_understood_is_named() {
         ("CPINTF,ALL\n", "1: CPINTF constrains"),
         ("CPCYC,ALL\n", "1: CPCYC constrains"),
         ("CYCLIC\n", "1: CYCLIC constrains"),
-        ("DSYM,SYMM,X\n", "1: DSYM prescribes values"),
+        ("DSYM,SYMM,X\n", "1: DSYM prescribes or releases values"),
         ("/INPUT,more,inp\n", "1: /INPUT is not followed"),
         ("mymacro,1\n", "1: MYMACRO is not known to this reader"),
         ("CE,1,0,1,UX,1\n*REPEAT,4,1\n", "2: *REPEAT is not followed"),

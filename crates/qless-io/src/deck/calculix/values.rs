@@ -132,7 +132,9 @@ impl StepValues {
             let text = "*BOUNDARY of a rate starts from the displacements that the step before reaches, which this reader does not follow";
             model.leave_out(card.file, card.line, text);
         }
-        self.unknown.push((card.file, card.line, unknown));
+        if !unknown.is_empty() {
+            self.unknown.push((card.file, card.line, unknown));
+        }
         Ok(())
     }
 

@@ -106,8 +106,7 @@ fn node_choice(
         ("ALL", SelectedNodes::Unknown) => "the selected nodes, and this reader does not know which these are",
         ("P", _) => "nodes that the user picks interactively",
         _ if nodes.unknown_groups.contains(&group) => "a component of nodes that this reader does not know",
-        // A file that is not read may have defined it.
-        _ if nodes.are_generated && !nodes.groups.contains_key(&group) => {
+        _ if nodes.are_in_files && !nodes.groups.contains_key(&group) => {
             "a component or a parameter that this reader does not know"
         }
         _ => {

@@ -28,6 +28,8 @@ pub struct AnsysNodes {
     pub other_groups: FxHashSet<String>,
     /// Whether commands may generate nodes that this reader does not know.
     pub are_generated: bool,
+    /// Whether files that are not read may define nodes, groups and parameters.
+    pub are_in_files: bool,
     pub positions: NodePositions,
     block: DataBlock,
 }

@@ -39,7 +39,7 @@ impl AnsysReader {
         }
         let (line, title) = (command.line, command.title());
         let constrains = self.constrains(command.key);
-        if constrains || matches!(&command.key, b"SOLV" | b"LSWR") {
+        if constrains || matches!(&command.key, b"SOLV" | b"LSWR" | b"LSSO") {
             self.use_replaced();
         }
         if constrains && self.control.state() == Execution::Unknown {
@@ -105,7 +105,7 @@ impl AnsysReader {
         let prescribes =
             matches!(&command.key, b"D   " | b"DDEL") || self.effect(command.key) == CommandEffect::Prescribes;
         if prescribes {
-            self.values_left_out.push((command.line, text));
+            self.leave_out_value(command.line, text);
             return;
         }
         match &command.key {
@@ -123,7 +123,7 @@ impl AnsysReader {
             b"CERI" | b"RBE3" => self.region(command)?,
             b"D   " | b"DDEL" => match dof_command(command, &self.nodes, &self.selection) {
                 Ok(read) => self.dof_command(command, read),
-                Err(Rejection::LeftOut(why)) => self.values_left_out.push((command.line, format!("{why}: left out"))),
+                Err(Rejection::LeftOut(why)) => self.leave_out_value(command.line, format!("{why}: left out")),
                 Err(Rejection::Fault(fault)) => return Err(fault),
             },
             b"F   " | b"FDEL" => match load(command, &self.nodes, &self.selection) {

@@ -72,8 +72,6 @@ pub struct AnsysReader {
     pub parameters: ApdlParameters,
     pub control: FlowControl,
     pub made: EquationsMade,
-    /// Lines of commands that prescribe values and are left out, with the reason.
-    values_left_out: Vec<(u32, String)>,
     /// Whether a command needs the positions of nodes although the reader did not keep them.
     pub needs_positions: bool,
     /// Whether the previous command constrains: then `*REPEAT` would repeat a constraint.

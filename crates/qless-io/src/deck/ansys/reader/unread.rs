@@ -19,6 +19,9 @@ pub struct UnreadCommands {
     warned: FxHashSet<Vec<u8>>,
     /// Lines and titles of commands that replace the model, while nothing that comes later uses it.
     replaced: Vec<(u32, String)>,
+    /// Lines of commands that prescribe or release values and are left out, with the reason; and the number of those beyond the limit.
+    values: Vec<(u32, String)>,
+    omitted_values: usize,
     /// Number of warnings beyond the limit, which are not stored.
     pub omitted: usize,
     /// Whether one of the omitted warnings is about a constraint that is left out.
@@ -106,16 +109,17 @@ impl AnsysReader {
                 );
             }
             CommandEffect::Prescribes => {
-                let text = format!("{title} prescribes values, but this reader does not support it: left out");
-                self.values_left_out.push((command.line, text));
+                let text =
+                    format!("{title} prescribes or releases values, but this reader does not support it: left out");
+                self.leave_out_value(command.line, text);
             }
-            CommandEffect::ReadsOthers if command.key == *b"*REP" && !self.constrained => {}
+            CommandEffect::RunsOthers if command.key == *b"*REP" && !self.constrained => {}
             CommandEffect::Replaces => {
-                self.nodes.are_generated = true;
+                (self.nodes.are_generated, self.nodes.are_in_files) = (true, true);
                 self.unread.replaced.push((command.line, title));
             }
-            CommandEffect::ReadsOthers => {
-                (self.nodes.are_generated, self.made.unread) = (true, true);
+            CommandEffect::RunsOthers => {
+                (self.nodes.are_generated, self.nodes.are_in_files, self.made.unread) = (true, true, true);
                 self.leave_out(
                     command.line,
                     format!("{title} is not followed: constraints that it makes are left out"),
@@ -175,11 +179,24 @@ impl AnsysReader {
         }
     }
 
+    /// Notes that a command that prescribes or releases values is left out.
+    pub fn leave_out_value(&mut self, line: u32, text: String) {
+        if self.unread.values.len() < WARNINGS {
+            self.unread.values.push((line, text));
+        } else {
+            self.unread.omitted_values += 1;
+        }
+    }
+
     /// Says which commands that prescribe values are left out. Without equations nothing can be redundant, and a later value replaces an
     /// earlier one, so that the model lacks nothing that matters.
     pub fn say_values_left_out(&mut self) {
         let matter = self.made.line > 0 || self.made.unread;
-        for (line, text) in std::mem::take(&mut self.values_left_out) {
+        let UnreadCommands { values, omitted_values, .. } = &mut self.unread;
+        let (values, omitted) = (std::mem::take(values), std::mem::take(omitted_values));
+        (self.unread.omitted, self.unread.leaves_out) =
+            (self.unread.omitted + omitted, self.unread.leaves_out || matter && omitted > 0);
+        for (line, text) in values {
             if matter {
                 self.leave_out(line, text);
             } else {

@@ -7,12 +7,12 @@ use super::command::CommandKey;
 pub enum CommandEffect {
     /// The command makes or changes constraints.
     Constrains,
-    /// The command prescribes values, on lines of the solid model or on planes of symmetry.
+    /// The command prescribes or releases values: of the solid model, on planes of symmetry, or of a perturbed step.
     Prescribes,
     /// The command generates nodes.
     MakesNodes,
     /// The command makes ANSYS execute other commands.
-    ReadsOthers,
+    RunsOthers,
     /// The command replaces the model, or parameters, by what a file has, or by nothing.
     Replaces,
     /// The command has no effect on constraints.
@@ -24,12 +24,12 @@ pub enum CommandEffect {
 const CONSTRAIN: &str = "CEIN CECY CESG CPIN CPLG CPSG CPNG CPCY CPME DJ DSCA DFLX DVAL \
     CBDO CYCL CYCO PSME SLOA NUMM DCVS DSUR EMBE MCFO ELBO";
 
-/// Commands that prescribe values.
-const PRESCRIBE: &str = "DSYM DK DL DA DTRA SBCT";
+/// Commands that prescribe or release values.
+const PRESCRIBE: &str = "DSYM DK DL DA DTRA SBCT PERT";
 
 /// Commands that generate or copy nodes and meshes.
 const NODES: &str = "NGEN FILL NSYM NREA NDIS KMES LMES AMES VMES FVME IMES VSWE VDRA VROT VEXT EXTO EGEN EINT ESUR ENGE NKPT \
-    CENT NMOV UPGE EREI ESYM ENSY VOFF AMAP VMAP XMES OMES NWPL NORA EMOR EORI NTRA  TRNO MOVE EREA EMID";
+    CENT NMOV UPGE EREI ESYM ENSY VOFF AMAP VMAP XMES OMES NWPL NORA EMOR EORI NTRA  TRNO MOVE EREA EMID AROT ADRA ARSY LSYM VSYM";
 
 /// Commands that execute other commands.
 const OTHERS: &str = "/INP *USE INRE LSRE LSSO IGES *REP *GO ~CAT EXUN";
@@ -54,10 +54,10 @@ const NOTHING: &str = "ET EN E EBLO TYPE MAT REAL SECN SECT SECD SECO SECB SECC 
     SET SUBS FILE LCAS ETAB PLNS PRNS PRES PRRS PRDI PLDI ESOL NSOL PRVA PLVA STOR ADD PROD PATH PDEF PPAT PRPA RSYS AVPR FSUM PRRF LAYE \
     SHEL PLES ANFL TRES NLOG EXPC INIS INIT DDOP CMWR MSAV KCAL CINT CZDE CZME GSBD GSGD GSLI SWAD SWGE  PERB MPRI MFOU LIST \
     C*** QRDO STEF THOP EMUN LCAT XVAR SLIS NUMB USER MPLI TBLI LABE TEMP RMOD CEWR RLIS PLOT EPLO NPLO GPLO MSTO CSLI ADDD RESV NOPR \
-    SED SV SVTY FREQ PERT MODE RIGI PFAC SPUN SPFR SPVA PSDU PSDF PSDV PSDC PSDR SRSS GRP CMSO MSOP HROU ARCT RADO MPCH UIMP EMIS VTYP \
+    SED SV SVTY FREQ MODE RIGI PFAC SPUN SPFR SPVA PSDU PSDF PSDV PSDC PSDR SRSS GRP CMSO MSOP HROU ARCT RADO MPCH UIMP EMIS VTYP \
     FK FKDE RFOR PRET PRCI PRCA PRCP PRNL PRTI PRIT PRFA PRSE PLPA PLCA PLVE PLET PLF2 PLSE NUMV NUMS NPRI NSOR ESOR SSUM SMUL SQRT ABS EXP \
     QUOT DERI EXTR LCFA LCOP LCWR LCSE PCAL PAGE PAPU ANSO RES2 RES3 VGET VPUT ASUM VSUM RPSD JPEG JPGP APLO VPLO CMPL FLIS DLIS ETLI \
-    WPLA WPRO WPOF WPAV WPST KWPA KSCO KPSC LVSC DESI MODM VEOR BSPL CIRC PTXY POLY AROT ADRA ARSY LSYM VSYM ASBW ASBL VSBW VSBA AFIL MMAS";
+    WPLA WPRO WPOF WPAV WPST KWPA KSCO KPSC LVSC DESI MODM VEOR BSPL CIRC PTXY POLY ASBW ASBL VSBW VSBA AFIL MMAS";
 
 /// The effect of an unsupported command.
 pub fn effect(key: CommandKey) -> CommandEffect {
@@ -66,7 +66,7 @@ pub fn effect(key: CommandKey) -> CommandEffect {
     match name.first() {
         _ if among(CONSTRAIN) => CommandEffect::Constrains,
         _ if among(PRESCRIBE) => CommandEffect::Prescribes,
-        _ if among(OTHERS) => CommandEffect::ReadsOthers,
+        _ if among(OTHERS) => CommandEffect::RunsOthers,
         _ if among(REPLACE) => CommandEffect::Replaces,
         _ if among(NODES) => CommandEffect::MakesNodes,
         Some(b'/' | b'*' | b':') => CommandEffect::Nothing,
@@ -85,8 +85,8 @@ mod tests {
             (b"CEIN", CommandEffect::Constrains),
             (b"DL  ", CommandEffect::Prescribes),
             (b"NGEN", CommandEffect::MakesNodes),
-            (b"/INP", CommandEffect::ReadsOthers),
-            (b"*GO ", CommandEffect::ReadsOthers),
+            (b"/INP", CommandEffect::RunsOthers),
+            (b"*GO ", CommandEffect::RunsOthers),
             (b"*GET", CommandEffect::Nothing),
             (b"/PRE", CommandEffect::Nothing),
             (b"EBLO", CommandEffect::Nothing),
