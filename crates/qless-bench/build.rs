@@ -1,4 +1,5 @@
-//! With the feature `peers`: compiles the shims around Eigen's SparseQR and LAPACK's dgeqp3, which `qless bench` compares with.
+//! With the feature `peers`: compiles the shims around Eigen's SparseQR and LAPACK's dgeqp3, which `qless bench` compares with, and where
+//! it is installed a program around MUMPS.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
@@ -11,6 +12,7 @@ fn main() {
 #[cfg(feature = "peers")]
 mod peers {
     use std::path::PathBuf;
+    use std::process::Command;
     use std::{env, fs};
 
     const SOURCES: &str = "peers";
@@ -32,7 +34,27 @@ mod peers {
             .try_compile("qless_lapack")
             .map_err(|error| format!("the shim around LAPACK does not compile: {error}"))?;
         println!("cargo::rustc-link-lib=lapack");
+        mumps()
+    }
+
+    /// Compiles the program around MUMPS, of which `QLESS_MUMPS` is the path; leaves it out where the library without MPI is missing.
+    fn mumps() -> Result<(), String> {
+        let program = out()?.join("qless_mumps");
+        let mut command = cc::Build::new().opt_level(3).get_compiler().to_command();
+        command.arg(format!("{SOURCES}/mumps.c")).arg("-o").arg(&program).arg("-ldmumps_seq");
+        if runs(&mut command)? {
+            println!("cargo::rustc-env=QLESS_MUMPS={}", program.display());
+        }
         Ok(())
+    }
+
+    fn out() -> Result<PathBuf, String> {
+        env::var_os("OUT_DIR").map(PathBuf::from).ok_or("OUT_DIR is not set: run this through cargo".into())
+    }
+
+    fn runs(compiler: &mut Command) -> Result<bool, String> {
+        let output = compiler.output().map_err(|error| format!("the C compiler does not start: {error}"))?;
+        Ok(output.status.success())
     }
 
     /// The folder of Eigen's headers: `EIGEN_INCLUDE_DIR`, or where packages have it.
@@ -49,15 +71,13 @@ mod peers {
 
     /// Links a program of one call, so that the answer comes here and not from the linker at the end.
     fn links_lapack() -> Result<(), String> {
-        let folder = PathBuf::from(env::var_os("OUT_DIR").ok_or("OUT_DIR is not set: run this through cargo")?);
+        let folder = out()?;
         let source = folder.join("calls_lapack.c");
         fs::write(&source, CALLS_LAPACK)
             .map_err(|error| format!("the test of the linker cannot be written: {error}"))?;
         let mut command = cc::Build::new().get_compiler().to_command();
         command.arg(&source).arg("-o").arg(folder.join("calls_lapack")).arg("-llapack");
-        let links =
-            command.output().map_err(|error| format!("the C compiler does not start: {error}"))?.status.success();
-        if links {
+        if runs(&mut command)? {
             return Ok(());
         }
         Err("LAPACK is missing: no library `lapack` with dgeqp3; install it with `sudo apt-get install libopenblas-pthread-dev` \

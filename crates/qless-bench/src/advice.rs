@@ -35,7 +35,7 @@ fn line(text: &mut String, name: &str, compared: &[(f64, &Sample, Measured)]) {
     };
     let silent = compared.iter().filter(|(_, sample, own)| verdict(sample, own) != "right" && !own.ambiguous).count();
     let doubtful = compared.iter().filter(|(.., own)| own.ambiguous).count();
-    let residual = compared.iter().map(|(.., own)| own.residual).fold(0.0, f64::max);
+    let residual = compared.iter().filter_map(|(.., own)| own.residual).fold(0.0, f64::max);
     let peak = compared.iter().filter_map(|(.., own)| own.memory).max();
     let peak = peak.map_or_else(|| "-".to_owned(), |bytes| format!("{:.0}", bytes as f64 / f64::from(1 << 20)));
     _ = writeln!(text, "| {name} | {times} | {} | {silent} | {doubtful} | {residual:.0e} | {peak} |", compared.len());

@@ -12,6 +12,9 @@ pub enum Engine {
     /// Another library with this absolute tolerance, in a process of its own.
     #[cfg(feature = "peers")]
     Peer(Box<dyn qless::backend::Backend>, f64),
+    /// Another solver, as a program.
+    #[cfg(feature = "peers")]
+    Solver(super::peers::Solver),
 }
 
 /// A method and its name.
@@ -34,6 +37,14 @@ impl BenchMethod {
     /// Returns true for another library, which has a time limit of its own.
     pub fn is_peer(&self) -> bool {
         !matches!(self.engine, Engine::Qless(..) | Engine::BareQr)
+    }
+
+    /// Returns true for a solver, which is a program of its own.
+    pub fn is_solver(&self) -> bool {
+        #[cfg(feature = "peers")]
+        return matches!(self.engine, Engine::Solver(_));
+        #[cfg(not(feature = "peers"))]
+        false
     }
 
     fn new(name: &'static str, options: Options) -> Self {
@@ -61,14 +72,13 @@ pub fn all(only: &[String]) -> Vec<BenchMethod> {
     all
 }
 
-/// Other libraries that are in common use.
+/// Other libraries that are in common use, and those of the solvers that are installed.
 #[cfg(feature = "peers")]
-fn peers() -> [BenchMethod; 2] {
-    use super::peers::{Eigen, Lapack, Rule};
-    let peer =
-        |name, backend| BenchMethod { name, engine: Engine::Peer(backend, 0.0), is_apart: true, is_dense: false };
-    [
-        peer("Eigen SparseQR", Box::new(Eigen(Rule::Own))),
-        BenchMethod { is_dense: true, ..peer("LAPACK dgeqp3", Box::new(Lapack(Rule::Own))) },
-    ]
+fn peers() -> impl Iterator<Item = BenchMethod> {
+    use super::peers::{Eigen, Lapack, Rule, Solver};
+    let peer = |name, engine| BenchMethod { name, engine, is_apart: true, is_dense: false };
+    let lapack = peer("LAPACK dgeqp3", Engine::Peer(Box::new(Lapack(Rule::Own)), 0.0));
+    [peer("Eigen SparseQR", Engine::Peer(Box::new(Eigen(Rule::Own)), 0.0)), BenchMethod { is_dense: true, ..lapack }]
+        .into_iter()
+        .chain(Solver::installed().map(move |solver| peer(solver.name(), Engine::Solver(solver))))
 }

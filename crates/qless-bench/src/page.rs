@@ -27,7 +27,7 @@ const COLUMNS: &str = "
 | error | of a solved problem, `max abs(u - u*) / max abs(u*)`: springs of stiffness 1 from each DOF to the ground and to the next, f_j = 1 + j mod 7, solved with T, G, g against Lagrange multipliers refined in twice the precision; `-` if T has more than 200,000 entries, if the defaults find a wrong rank, or if conjugate gradients (for more than 3,000 DOFs) do not converge |
 
 Other libraries, and methods whose ranks are not checked, run in processes of their own, which are stopped at the limit. Other
-libraries have no scaling, presolve or checks of the rank: one factorization C P = Q R, then T = -R1^-1 R2 and g = R1^-1 Q^T b. Eigen's own tolerance is 20 (m + n) eps times the largest column; dgeqp3 has none, so max(m, n) eps abs(R_11) is used.
+libraries have no scaling, presolve or checks of the rank: one factorization C P = Q R, then T = -R1^-1 R2 and g = R1^-1 Q^T b. Eigen's own tolerance is 20 (m + n) eps times the largest column; dgeqp3 has none, so max(m, n) eps abs(R_11) is used. MUMPS factors [I C^T; C 0] and detects null pivots (ICNTL(24) = 1, its own tolerance); the rank is the number of equations less that of null pivots. HiGHS runs presolve and simplex on C u = C x for a random x, u free; the rank is the number of equations less that of rows in the basis. Neither computes T.
 ";
 
 /// The page; `command` is the command that repeats the measurements.

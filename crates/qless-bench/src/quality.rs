@@ -53,8 +53,8 @@ impl<'a> Reference<'a> {
             false_keeps: found - true_rank,
             residual: judge
                 .zip(done.reduction.as_ref())
-                .map_or(0.0, |(analysis, reduction)| analysis.residual(reduction).unwrap_or(f64::MAX)),
-            growth: done.reduction.as_ref().map_or(0.0, Reduction::growth),
+                .map(|(analysis, reduction)| analysis.residual(reduction).unwrap_or(f64::MAX)),
+            growth: done.reduction.as_ref().map(Reduction::growth),
             error: self.springs.as_ref().and_then(|springs| springs.error(done)),
             memory: None,
         }
@@ -122,6 +122,6 @@ mod tests {
         let reduction = analysis.reduction().expect("within the gate");
         let done = super::Done { time: 1.0, rank: 19, reduction: Some(reduction), analysis: Some(analysis) };
         let measured = Reference::new(&scene).judge(&done);
-        assert!(measured.error.expect("small") < 1e-14 && measured.residual == 0.0);
+        assert!(measured.error.expect("small") < 1e-14 && measured.residual == Some(0.0));
     }
 }

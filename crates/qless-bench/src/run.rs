@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use qless::backend::BackendError;
 use qless::{Analysis, BackendChoice, ConstraintSystem, Options, Reduction, analyse};
+use rayon::prelude::*;
 
 use super::figure_15::{FigureSide, blocks, factor};
 use super::given_up::GivenUpReason;
@@ -14,7 +15,7 @@ pub struct Done {
     /// Seconds of the analysis, of the bare factorization, or of the whole elimination by another library.
     pub time: f64,
     pub rank: usize,
-    /// The reduction by the method; `None` for a bare factorization.
+    /// The reduction by the method; `None` for a bare factorization and for solvers that only find a rank.
     pub reduction: Option<Reduction>,
     /// The analysis by the method; `None` for a bare factorization and for other libraries.
     pub analysis: Option<Analysis>,
@@ -59,6 +60,11 @@ pub fn once(system: &ConstraintSystem, method: &BenchMethod) -> Result<Done, Giv
             let time = start.elapsed().as_secs_f64();
             Ok(Done { time, rank: reduction.slaves().len(), reduction: Some(reduction), analysis: None })
         }
+        #[cfg(feature = "peers")]
+        Engine::Solver(solver) => {
+            let (rank, time) = solver.ranks(&[system])?.swap_remove(0)?;
+            Ok(Done { time, rank, reduction: None, analysis: None })
+        }
     }
 }
 
@@ -70,8 +76,20 @@ fn qless(system: &ConstraintSystem, options: &Options) -> Result<Done, GivenUpRe
     Ok(Done { time, rank: analysis.rank(), reduction: Some(reduction), analysis: Some(analysis) })
 }
 
-/// The rank that a method finds, and whether it is in doubt; computes no reduction.
-pub fn verdict(system: &ConstraintSystem, method: &BenchMethod) -> Result<(usize, bool), GivenUpReason> {
+/// The rank that a method finds, and whether it is in doubt.
+pub type BenchVerdict = Result<(usize, bool), GivenUpReason>;
+
+/// The ranks that a method finds, and whether they are in doubt; computes no reduction.
+pub fn verdicts(systems: &[&ConstraintSystem], method: &BenchMethod) -> Result<Vec<BenchVerdict>, GivenUpReason> {
+    #[cfg(feature = "peers")]
+    if let Engine::Solver(solver) = &method.engine {
+        let answers = solver.ranks(systems)?.into_iter();
+        return Ok(answers.map(|answer| answer.map(|(rank, _)| (rank, false))).collect());
+    }
+    Ok(systems.par_iter().map(|system| verdict(system, method)).collect())
+}
+
+fn verdict(system: &ConstraintSystem, method: &BenchMethod) -> BenchVerdict {
     let Engine::Qless(options) = &method.engine else {
         return once(system, method).map(|done| (done.rank, false));
     };

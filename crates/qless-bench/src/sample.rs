@@ -30,8 +30,9 @@ pub struct Measured {
     pub ambiguous: bool,
     pub false_drops: usize,
     pub false_keeps: usize,
-    pub residual: f64,
-    pub growth: f64,
+    /// Of T, G and g; `None` for a method that computes no reduction.
+    pub residual: Option<f64>,
+    pub growth: Option<f64>,
     /// Error of the solved problem; `None` if it was not solved.
     pub error: Option<f64>,
     /// Peak memory in bytes beyond that before the run; `None` if it was not measured.

@@ -7,7 +7,7 @@ use qless_scenes::{Scene, SceneError};
 use rayon::prelude::*;
 
 use super::methods::{BenchMethod, UNIT};
-use super::run::verdict;
+use super::run::{BenchVerdict, verdicts};
 
 /// Number of seeded systems.
 const COUNT: u64 = 2_000;
@@ -43,17 +43,19 @@ pub fn measure(methods: &[BenchMethod], is_short: bool) -> Result<Vec<WrongShare
     let count = if is_short { SHORT } else { COUNT };
     let scenes: Result<Vec<Scene>, SceneError> = (0..count).into_par_iter().map(scene).collect();
     let scenes = scenes.map_err(|error| error.to_string())?;
-    Ok(methods.iter().filter(|method| method.name != UNIT).map(|method| share(method, &scenes)).collect())
+    methods.iter().filter(|method| method.name != UNIT).map(|method| share(method, &scenes)).collect()
 }
 
-fn share(method: &BenchMethod, scenes: &[Scene]) -> WrongShare {
-    let of = |scene: &Scene| match verdict(&scene.system, method) {
-        Ok((rank, is_doubtful)) => (is_doubtful, Some(rank) != scene.truth.rank_free && !is_doubtful),
-        Err(_) => (false, true),
+fn share(method: &BenchMethod, scenes: &[Scene]) -> Result<WrongShare, String> {
+    let systems: Vec<_> = scenes.iter().map(|scene| &scene.system).collect();
+    let found = verdicts(&systems, method).map_err(|reason| format!("{}: {}", method.name, reason.words(None)))?;
+    let is_wrong = |(scene, found): &(&Scene, &BenchVerdict)| match found {
+        Ok((rank, is_doubtful)) => !is_doubtful && Some(*rank) != scene.truth.rank_free,
+        Err(_) => true,
     };
-    let found: Vec<(bool, bool)> = scenes.par_iter().map(of).collect();
-    let count = |pick: fn(&(bool, bool)) -> bool| found.iter().filter(|one| pick(one)).count();
-    WrongShare { method: method.name, systems: found.len(), wrong: count(|one| one.1), doubtful: count(|one| one.0) }
+    let wrong = scenes.iter().zip(&found).filter(is_wrong).count();
+    let doubtful = found.iter().flatten().filter(|(_, is_doubtful)| *is_doubtful).count();
+    Ok(WrongShare { method: method.name, systems: found.len(), wrong, doubtful })
 }
 
 /// A table in Markdown, which can be read as text too.

@@ -67,8 +67,8 @@ pub fn cells(sample: &Sample, first: &Sample) -> [String; HEAD.len()] {
         format!("{}{unsure}", verdict(sample, m)),
         m.false_drops.to_string(),
         m.false_keeps.to_string(),
-        format!("{:.1e}", m.residual),
-        if m.growth < 1e4 { format!("{:.2}", m.growth) } else { format!("{:.1e}", m.growth) },
+        or_none(m.residual.map(|residual| format!("{residual:.1e}"))),
+        or_none(m.growth.map(|growth| if growth < 1e4 { format!("{growth:.2}") } else { format!("{growth:.1e}") })),
         or_none(m.error.map(|error| format!("{error:.1e}"))),
     ]
 }
@@ -97,9 +97,10 @@ pub fn csv(samples: &[Sample], methods: &[BenchMethod]) -> String {
 }
 
 fn csv_line(text: &mut String, sample: &Sample, first: &Sample) {
-    let Sample { family, size, equations, method, rank, .. } = sample;
+    let Sample { size, equations, rank, .. } = sample;
     // CSV requires quotes around a name with a comma.
-    let method = if method.contains(',') { format!("\"{method}\"") } else { (*method).to_owned() };
+    let [family, method] = [sample.family, sample.method]
+        .map(|name| if name.contains(',') { format!("\"{name}\"") } else { name.to_owned() });
     let m = match &sample.result {
         Ok(measured) => measured,
         Err(reason) => {
@@ -121,8 +122,8 @@ fn csv_line(text: &mut String, sample: &Sample, first: &Sample) {
         m.false_drops.to_string(),
         m.false_keeps.to_string(),
         m.ambiguous.to_string(),
-        format!("{:e}", m.residual),
-        m.growth.to_string(),
+        or_empty(m.residual.map(|residual| format!("{residual:e}"))),
+        or_empty(m.growth.map(|growth| growth.to_string())),
         or_empty(m.error.map(|error| format!("{error:e}"))),
         String::new(),
     ];

@@ -5,6 +5,8 @@
 use qless::backend::{Backend, BackendError, Factor};
 use qless::{ConstraintSystem, Csr, Reduction};
 
+use super::free_columns;
+
 /// Computes T, G and g. The slaves are the columns that the factorization finds independent.
 ///
 /// # Errors
@@ -12,13 +14,12 @@ use qless::{ConstraintSystem, Csr, Reduction};
 pub fn eliminate(system: &ConstraintSystem, backend: &dyn Backend, tolerance: f64) -> Result<Reduction, BackendError> {
     let prescribed: Vec<usize> = system.prescribed().iter().map(|&(j, _)| j).collect();
     let free: Vec<usize> = (0..system.dofs()).filter(|j| prescribed.binary_search(j).is_err()).collect();
-    let all = system.matrix().transpose().expect("a system has few enough DOFs");
+    let columns = free_columns(system);
     let (m, k) = (system.equations(), prescribed.len());
-    let mut columns = Csr::empty(m);
-    free.iter().for_each(|&j| columns.push_row(all.row(j)).expect("a row of another matrix"));
     let mut rhs = vec![0.0; m * (k + 1)];
-    for (c, &j) in prescribed.iter().enumerate() {
-        all.row(j).for_each(|(i, v)| rhs[c * m + i] = v);
+    for (i, row) in (0..m).map(|i| (i, system.matrix().row(i))) {
+        let fixed = row.filter_map(|(j, v)| Some((prescribed.binary_search(&j).ok()?, v)));
+        fixed.for_each(|(c, v)| rhs[c * m + i] = v);
     }
     rhs[m * k..].copy_from_slice(system.rhs());
     let factor = backend.factor(&columns, &rhs, tolerance)?;
