@@ -24,17 +24,12 @@ impl<'a, 'b> Exchange<'a, 'b> {
         self.relation.system.free()[dof as usize]
     }
 
-    /// The coefficient of a master in row i, if it is stored; it may be zero.
-    fn entry(&self, i: u32, master: u32) -> Option<f64> {
-        self.relation.row(i as usize).entries().find(|&(j, _)| j == master).map(|(_, v)| v)
-    }
-
     /// Rows that contain a master, ascending, with its coefficient.
     pub fn holding(&self, master: u32) -> Vec<(u32, f64)> {
         let mut rows = self.holders.get(&master).cloned().unwrap_or_default();
         rows.sort_unstable();
         rows.dedup();
-        rows.into_iter().filter_map(|i| Some((i, self.entry(i, master)?))).collect()
+        rows.into_iter().filter_map(|i| Some((i, self.relation.coefficient(i as usize, master)?))).collect()
     }
 
     /// Makes `master` the slave of row i; returns the other rows that changed.
@@ -42,31 +37,35 @@ impl<'a, 'b> Exchange<'a, 'b> {
         let targets: Vec<_> = self.holding(master).into_iter().filter(|&(k, _)| k != i).collect();
         let (row, constant) = self.solved_for(i, master);
         self.holders.remove(&master);
+        let slave = std::mem::replace(&mut self.relation.slave[i as usize], master);
+        self.holders.entry(slave).or_default().push(i);
         for &(k, factor) in &targets {
-            let merged = merge(&self.relation.sorted(k as usize), master, factor, &row);
+            let (merged, new) = merge(&self.relation.sorted(k as usize), master, factor, &row);
+            new.into_iter().for_each(|j| self.hold(j, k));
             self.relation.change(k as usize, &merged);
             self.relation.constant[k as usize] += factor * constant;
         }
-        let changed: Vec<u32> = targets.into_iter().map(|(k, _)| k).collect();
-        for &(j, _) in &row {
-            let holders = self.holders.entry(j).or_default();
-            holders.extend(changed.iter().copied().chain([i]));
-            if holders.len() > 2 * self.relation.slave.len() {
-                holders.sort_unstable();
-                holders.dedup();
-            }
-        }
-        let slave = std::mem::replace(&mut self.relation.slave[i as usize], master);
         self.relation.change(i as usize, &row);
         self.relation.constant[i as usize] = constant;
         self.relation.row_of[slave as usize] = u32::MAX;
         self.relation.row_of[master as usize] = i;
-        changed
+        targets.into_iter().map(|(k, _)| k).collect()
+    }
+
+    /// Notes that row k contains a DOF. Where entries cancel and come back, a row is noted again.
+    fn hold(&mut self, dof: u32, k: u32) {
+        let holders = self.holders.entry(dof).or_default();
+        holders.push(k);
+        if holders.len() > 2 * self.relation.slave.len() {
+            holders.sort_unstable();
+            holders.dedup();
+        }
     }
 
     /// Row i solved for a master.
     fn solved_for(&self, i: u32, master: u32) -> (Vec<(u32, f64)>, f64) {
-        let (pivot, slave) = (self.entry(i, master).unwrap_or_default(), self.relation.slave[i as usize]);
+        let pivot = self.relation.coefficient(i as usize, master).unwrap_or_default();
+        let slave = self.relation.slave[i as usize];
         let old = self.relation.sorted(i as usize);
         let mut row: Vec<_> = old.into_iter().filter(|e| e.0 != master).map(|(j, v)| (j, -v / pivot)).collect();
         let place = row.partition_point(|&(j, _)| j < slave);
@@ -75,20 +74,25 @@ impl<'a, 'b> Exchange<'a, 'b> {
     }
 }
 
-/// The row `old` without its entry at `master`, plus `factor` times `row`; ascending, without entries that cancel to rounding.
-fn merge(old: &[(u32, f64)], master: u32, factor: f64, row: &[(u32, f64)]) -> Vec<(u32, f64)> {
+/// The row `old` without its entry at `master`, plus `factor` times `row`; ascending, without entries that cancel to rounding. Also the
+/// DOFs that are not in `old`.
+fn merge(old: &[(u32, f64)], master: u32, factor: f64, row: &[(u32, f64)]) -> (Vec<(u32, f64)>, Vec<u32>) {
     let mut merged = Vec::with_capacity(old.len() + row.len());
+    let mut new = Vec::new();
     let (mut a, mut b) = (old.iter().filter(|e| e.0 != master).peekable(), row.iter().peekable());
     loop {
         let next = match (a.peek(), b.peek()) {
-            (None, None) => return merged,
+            (None, None) => return (merged, new),
             (Some(x), Some(y)) if x.0 == y.0 => {
                 let (own, part) = (x.1, factor * y.1);
                 let sum = own + part;
                 (x.0, if sum.abs() <= 1e-14 * own.abs().max(part.abs()) { 0.0 } else { sum }, true, true)
             }
             (Some(x), other) if other.is_none_or(|y| x.0 < y.0) => (x.0, x.1, true, false),
-            (_, Some(y)) => (y.0, factor * y.1, false, true),
+            (_, Some(y)) => {
+                new.push(y.0);
+                (y.0, factor * y.1, false, true)
+            }
             (Some(_), None) => unreachable!("covered by the arm before"),
         };
         if next.2 {

@@ -87,12 +87,18 @@ impl Relation<'_> {
     }
 
     fn own_row(&self, i: usize) -> BasisRow<'_> {
+        let (dofs, values) = self.own_terms(i);
+        BasisRow::new(dofs, values)
+    }
+
+    /// The DOFs and coefficients of a row that differs from the basis, ascending by DOF.
+    fn own_terms(&self, i: usize) -> (&[u32], &[f64]) {
         match self.own[self.place[i] as usize] {
             OwnRow::Stored { start, len } => {
                 let range = start..start + len as usize;
-                BasisRow::new(&self.dofs[range.clone()], &self.values[range])
+                (&self.dofs[range.clone()], &self.values[range])
             }
-            OwnRow::Changed(ref row) => BasisRow::new(&row.0, &row.1),
+            OwnRow::Changed(ref row) => (&row.0, &row.1),
         }
     }
 
@@ -114,6 +120,15 @@ impl Relation<'_> {
         let mut row: Vec<_> = self.row(i).entries().collect();
         row.sort_unstable_by_key(|&(j, _)| j);
         row
+    }
+
+    /// The coefficient of a DOF in row i, if it is stored; it may be zero.
+    pub fn coefficient(&self, i: usize, dof: u32) -> Option<f64> {
+        if self.place[i] == OF_BASIS {
+            return self.row(i).entries().find(|&(j, _)| j == dof).map(|(_, v)| v);
+        }
+        let (dofs, values) = self.own_terms(i);
+        dofs.binary_search(&dof).ok().map(|at| values[at])
     }
 
     /// Largest coefficient of a master in row i.
