@@ -73,33 +73,46 @@ fn measured(system: &ConstraintSystem, analysis: &Analysis) -> [f64; 3] {
     ]
 }
 
-/// Without scaling (the tolerance is absolute, 1e-5). Two triangles in one block lose a row each.
+/// A triangle of Kahan of n rows in each of several parts, which share one block of that many DOFs. The tolerance of [`PAPER`] scales
+/// nothing.
+fn kahan(parts: usize, n: usize, c: f64, dofs: usize, rng: &mut Rng) -> ConstraintSystem {
+    let s = (1.0 - c * c).sqrt();
+    let entry = |i: usize, j: usize| {
+        // Slightly shorter columns come later, so that rounding exchanges none.
+        let column = s.powi(j as i32) * (1.0 - 1e-4 * i as f64);
+        column * [0.0, 1.0, -c][(1 + i).saturating_sub(j).min(2)]
+    };
+    let rows = Mat::from_fn(parts * n, dofs, |i, j| if i / n == j / n { entry(i % n, j % n) } else { 0.0 });
+    reflected(&rows, rng)
+}
+
+/// The tolerance of the paper, which is absolute.
+const PAPER: f64 = 1e-5;
+
+fn paper(backend: BackendChoice) -> Options {
+    Options { backend, tolerance: Tolerance::Paper, ..Options::default() }
+}
+
 fn triangles_of_kahan_lose_a_row(backend: BackendChoice) {
-    const TOLERANCE: f64 = 1e-5;
     for (seed, parts) in [1, 2, 1, 2, 1, 2].into_iter().enumerate() {
-        let mut rng = Rng::new(seed as u64);
-        let (n, c) = (54 + 4 * seed, 0.28_f64);
-        let s = (1.0 - c * c).sqrt();
-        let kahan = |i: usize, j: usize| {
-            // Slightly shorter columns come later, so that rounding exchanges none.
-            let column = s.powi(j as i32) * (1.0 - 1e-4 * i as f64);
-            if i == j {
-                column
-            } else if i > j {
-                -c * column
-            } else {
-                0.0
-            }
-        };
-        let rows =
-            Mat::from_fn(parts * n, parts * n + 3, |i, j| if i / n == j / n { kahan(i % n, j % n) } else { 0.0 });
-        let system = reflected(&rows, &mut rng);
-        let options = Options { backend, tolerance: Tolerance::Paper, ..Options::default() };
-        let analysis = diagnose(&system, &options);
+        let n = 54 + 4 * seed;
+        let system = kahan(parts, n, 0.28, parts * n + 3, &mut Rng::new(seed as u64));
+        let analysis = diagnose(&system, &paper(backend));
         let [apart, left, steepest] = measured(&system, &analysis);
         assert_eq!(analysis.rank(), parts * (n - 1), "n = {n}, {parts} parts");
-        assert!(apart > TOLERANCE && left < TOLERANCE, "n = {n}, {parts} parts: {apart:e} and {left:e}");
-        assert!(steepest < 2.0, "n = {n}, {parts} parts: a coefficient of {steepest}");
+        assert!(apart > PAPER && left < PAPER, "n = {n}, {parts} parts: {apart:e} and {left:e}");
+        assert!(steepest < 4.0, "n = {n}, {parts} parts: a coefficient of {steepest}");
+    }
+}
+
+/// Blocks that are too large to be factored again with pivoting.
+#[test]
+fn large_triangles_of_kahan_lose_a_row() {
+    for parts in [1, 2] {
+        let n = 240 / parts;
+        let system = kahan(parts, n, 0.14, 4500, &mut Rng::new(parts as u64));
+        let analysis = diagnose(&system, &paper(BackendChoice::Sparse));
+        assert_eq!(analysis.rank(), parts * (n - 1), "{parts} parts");
     }
 }
 
@@ -122,12 +135,11 @@ fn random_rows_near_the_tolerance(backend: BackendChoice) {
         let system = reflected(&rows, &mut rng);
         for options in settings(backend) {
             let analysis = diagnose(&system, &options);
-            let [apart, left, steepest] = measured(&system, &analysis);
+            let [apart, left, _] = measured(&system, &analysis);
             let what = format!("seed {seed}, presolve {}, off {off:e}", options.presolve);
             assert!(analysis.rank() >= m - 1, "{what}: rank {} of {m}", analysis.rank());
             // Rows are scaled by powers of two, and DOFs have units that differ by a few.
             assert!(apart > TOLERANCE / 16.0 && left < 16.0 * TOLERANCE, "{what}: {apart:e} and {left:e}");
-            assert!(steepest < 16.0, "{what}: a coefficient of {steepest}");
             assert!(analysis.confidence().ambiguous, "{what}: no doubt");
             dropped += m - analysis.rank();
         }

@@ -1,16 +1,28 @@
 //! Which DOFs become slaves before any factorization, how many equations that leaves, and columns of T and certificates in all units.
 
-use qless::{ConstraintSystem, Form, Options, SystemBuilder, analyse};
+use qless::{ConstraintSystem, Form, Kind, Options, SystemBuilder, analyse};
 use qless_scenes::Rng;
 
-/// Dense equations of DOFs in the given units, with 1 as right-hand side.
+/// Dense equations of DOFs in the given units, with 0 as right-hand side.
 fn dense(m: usize, units: &[f64], rng: &mut Rng) -> ConstraintSystem {
     let mut builder = SystemBuilder::new(units.len());
     for _ in 0..m {
         builder.equation(
             units.iter().enumerate().map(|(j, unit)| (j, (rng.real() + 1.5 * rng.coefficient(1)) * unit)),
-            1.0,
+            0.0,
         );
+    }
+    builder.build().expect("valid")
+}
+
+/// Equations of four terms each.
+fn sparse(m: usize, units: &[f64], rng: &mut Rng) -> ConstraintSystem {
+    let mut builder = SystemBuilder::new(units.len());
+    for i in 0..m {
+        let mut dofs = [i, rng.below(units.len()), rng.below(units.len()), rng.below(units.len())].to_vec();
+        dofs.sort_unstable();
+        dofs.dedup();
+        builder.equation(dofs.into_iter().map(|j| (j, (rng.real() + 1.5 * rng.coefficient(1)) * units[j])), 0.0);
     }
     builder.build().expect("valid")
 }
@@ -29,9 +41,9 @@ fn two_terms_are_solved_for_the_larger_one() {
         for pair in 0..10 {
             let small = 0.3 + 0.3 * rng.real().abs();
             let terms = if rng.below(2) == 0 { [1.0, small] } else { [small, 1.0] };
-            (0..2).for_each(|k| {
-                _ = builder.equation(terms.iter().enumerate().map(|(i, v)| (2 * pair + i, v * [1.0, -3.0][k])), 0.0)
-            });
+            for factor in [1.0, -3.0] {
+                builder.equation(terms.iter().enumerate().map(|(i, v)| (2 * pair + i, v * factor)), 0.0);
+            }
         }
         let reduction = analyse(&builder.build().expect("valid"), &Options::default())
             .expect("valid")
@@ -42,28 +54,27 @@ fn two_terms_are_solved_for_the_larger_one() {
     }
 }
 
-/// Each column of `C [T; I]` is zero relative to its own terms, also where its DOF has an unusual unit.
+/// Each column of `C [T; I]` is zero relative to the largest motion of the column, with each DOF in its unit.
 #[test]
 fn columns_of_t_are_accurate_in_any_unit() {
-    for seed in 0..150 {
+    for seed in 0..200 {
         let mut rng = Rng::new(seed);
-        let (m, n) = (3 + rng.below(6), 12 + rng.below(6));
+        let (m, n) = if seed % 2 == 0 { (3 + rng.below(6), 12 + rng.below(6)) } else { (30, 50) };
         let units = units(n, &mut rng);
-        let system = dense(m, &units, &mut rng);
-        let analysis = analyse(&system, &Options::default()).expect("valid");
+        let system = if seed % 2 == 0 { dense(m, &units, &mut rng) } else { sparse(m, &units, &mut rng) };
+        let options = Options { presolve: seed % 4 < 2, ..Options::default() };
+        let analysis = analyse(&system, &options).expect("valid");
         for form in [Form::Explicit, Form::Factored] {
             let reduction = analysis.reduction_in(form).expect("within the gate");
             for (q, &master) in reduction.masters().iter().enumerate() {
                 let mut u = vec![0.0; n];
                 u[master] = 1.0;
                 reduction.column(q).expect("a master").into_iter().for_each(|(i, v)| u[reduction.slaves()[i]] = v);
-                for i in 0..m {
-                    let terms = system.matrix().row(i).map(|(j, v)| v * u[j]);
-                    let (sum, size) = terms.fold((0.0_f64, 0.0), |(sum, size), term| (sum + term, size + term.abs()));
-                    assert!(
-                        sum.abs() <= 1e-9 * size,
-                        "seed {seed}, {form:?}: column of {master} leaves {sum:e} of {size:e}"
-                    );
+                let largest = u.iter().zip(&units).map(|(u, unit)| (u * unit).abs()).fold(0.0, f64::max);
+                for i in (0..m).filter(|&i| analysis.kinds()[i] == Kind::Independent) {
+                    let sum: f64 = system.matrix().row(i).map(|(j, v)| v * u[j]).sum();
+                    let what = format!("seed {seed}, {form:?}: column of {master}, equation {i}");
+                    assert!(sum.abs() <= 1e-9 * largest, "{what}: {sum:e} of {largest:e}");
                 }
             }
         }
@@ -134,10 +145,11 @@ fn fixed_dofs_are_explained_in_any_unit() {
     }
 }
 
-/// Sparse equations of three terms: what elimination without fill leaves for the backend. These are counts of work, not of time.
+/// Elimination without fill solves sparse equations of three terms, in a band with loops, without a factorization. These are counts of
+/// work, not of time.
 #[test]
-fn elimination_leaves_little() {
-    let mut left = [0; 3];
+fn sparse_bands_need_no_factorization() {
+    let mut eliminated = 0;
     for seed in 0..100 {
         let mut rng = Rng::new(seed);
         let mut builder = SystemBuilder::new(60);
@@ -151,9 +163,8 @@ fn elimination_leaves_little() {
             }
         }
         let presolve = analyse(&builder.build().expect("valid"), &Options::default()).expect("valid").presolve();
-        left[0] += presolve.core_rows;
-        left[1] += presolve.rows_removed_by_elimination;
-        left[2] += presolve.rows_found_dependent;
+        assert_eq!(presolve.core_rows, 0, "seed {seed}");
+        eliminated += presolve.rows_removed_by_elimination;
     }
-    println!("{left:?}");
+    assert!(eliminated > 3000, "{eliminated}");
 }

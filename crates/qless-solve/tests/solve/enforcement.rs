@@ -152,7 +152,7 @@ fn equations_in_doubt_that_hold_are_no_reason_to_refuse() -> Outcome {
         let analysis = qless::analyse(&system, &qless::Options::default())?;
         assert!(analysis.confidence().ambiguous && analysis.rank() == 2, "{seed}: {:?}", analysis.confidence());
         let problem = Problem::new(&k, &f, &system)?;
-        assert_same("in doubt", &problem.transformation()?, &problem.lagrange()?);
+        assert!(difference(&problem.transformation()?.u, &problem.lagrange()?.u) < 1e-10, "{seed}: u");
     }
     Ok(())
 }
