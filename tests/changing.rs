@@ -183,3 +183,18 @@ fn what_is_wrong_is_refused_and_changes_nothing() {
     assert!(matches!(set.set_terms(id, [(0, 1.0)]), Err(ChangeError::Gone(_))));
     assert_eq!((set.update().expect("analysed"), set.equations(), set.kind(id)), (0, 0, None));
 }
+
+/// A block is in doubt if its own equations are nearly dependent, whatever the others are.
+#[test]
+fn doubts_are_those_of_the_block() {
+    let mut set = ChangingSystem::new(6, Options::default()).expect("few DOFs");
+    for (first, off) in [(0, 0.5), (3, 1e-9)] {
+        for terms in [[1.0, 2.0, 3.0], [3.0, 1.0, -1.0], [4.0, 3.0, 2.0 + off]] {
+            let terms: Vec<(usize, f64)> = terms.into_iter().enumerate().map(|(j, v)| (first + j, v)).collect();
+            set.add(terms, 0.0).expect("valid");
+        }
+    }
+    set.update().expect("analysed");
+    let doubts: Vec<bool> = set.blocks().map(SolvedBlock::ambiguous).collect();
+    assert_eq!(doubts, [false, true]);
+}

@@ -12,6 +12,8 @@ mod dense_reference {
     mod distance;
     /// `max |T_ij|` is within the bound of a dense strong rank-revealing QR.
     mod growth;
+    /// Rows that are dependent to within the tolerance.
+    mod near_tolerance;
     /// `|C_i u - b_i|` is within 1e-13 times the reported distance.
     mod residual;
     /// A dense strong rank-revealing QR.

@@ -8,6 +8,8 @@ mod dense;
 mod edges;
 #[path = "elimination/matrix.rs"]
 mod matrix;
+#[path = "elimination/pivots.rs"]
+mod pivots;
 #[path = "elimination/small_entries.rs"]
 mod small_entries;
 #[path = "elimination/units.rs"]

@@ -117,6 +117,8 @@ fn numbers_as_typed_have_the_ranks_of_whole_numbers() {
         let exact = exact::rank(&system, Reading::Typed).expect("small");
         let (rank, augmented) = decimal.ranks();
         assert_eq!((exact.rank, exact.augmented_rank), (rank, augmented), "case {case}: {system:?}");
+        // A few of the 2.7e16 primes between 2^60 and 2^61, twice.
+        assert!((1e-32..1e-25).contains(&exact.error_chance()), "case {case}: {:e}", exact.error_chance());
         let stored = exact::rank(&system, Reading::Stored).expect("small");
         let kinds =
             [rank < system.equations(), rank < augmented, stored.rank > rank, stored.augmented_rank > augmented];

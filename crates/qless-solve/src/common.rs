@@ -53,3 +53,21 @@ impl RandomForces {
         if bits & 1 == 0 { size } else { -size }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Neither tiny nor larger than one, of both signs, and near all ends of their ranges.
+    #[test]
+    fn random_numbers_fill_their_ranges() {
+        let mut forces = RandomForces::default();
+        let of_forces: Vec<f64> = (0..1000).map(|_| forces.next()).collect();
+        for (numbers, least) in [((0..1000).map(random).collect::<Vec<_>>(), 0.25), (of_forces, 0.5)] {
+            assert!(numbers.iter().all(|x| (least..=1.0).contains(&x.abs())));
+            for near in [-1.0, -least, least, 1.0] {
+                assert!(numbers.iter().any(|x| (x - near).abs() < 0.01), "none near {near}");
+            }
+        }
+    }
+}

@@ -190,15 +190,14 @@ impl<'a> Iteration<'a> {
         self.move_to(u, &lengths).map_err(argument)
     }
 
-    /// Moves the parts by their step lengths. A part then counts as settled if its c did not fall, or if it did not move although it is not
-    /// done.
+    /// Moves the parts by their step lengths. A part then counts as settled if its c did not fall, as that of a part that did not move.
     fn move_to(&mut self, mut u: Vec<f64>, lengths: &[f64]) -> Result<(), ArgumentError> {
         let moved = |vector: &&[usize; 3]| self.parts.of_dof(vector[0]).is_some_and(|part| lengths[part] > 0.0);
         self.rotations.iter().filter(moved).for_each(|&vector| _ = shorten_rotation(&mut u, vector));
         let before = std::mem::replace(&mut self.now, Configuration::new(self.set, u, self.parts)?);
         for part in self.going().collect::<Vec<_>>() {
             let (state, moves) = (&mut self.states[part], lengths[part] > 0.0);
-            state.settled = !moves || self.now.residuals[part] >= before.residuals[part];
+            state.settled = self.now.residuals[part] >= before.residuals[part];
             state.length = if moves { lengths[part] } else { state.length };
         }
         self.residuals = in_roundings(self.now.evaluation.c(), self.now.rounding.c());

@@ -83,3 +83,54 @@ impl KrylovParts {
         self.each(|i, part| a[i] -= dots[part] * b[i]);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The lowest eigenvalues of random symmetric blocks in any unit, whose unknowns alternate, are those of the dense blocks, and the
+    /// vectors are their eigenvectors.
+    #[test]
+    fn lowest_eigenpairs_are_those_of_dense_blocks() {
+        for seed in 0..40_usize {
+            let sizes = [1 + seed, 1 + 7 * seed % 25, 2];
+            let unit = 2_f64.powi([0, 60, -60][seed % 3]);
+            let blocks: Vec<Mat<f64>> = sizes
+                .iter()
+                .enumerate()
+                .map(|(part, &n)| {
+                    let entry = |i: usize, j: usize| {
+                        unit * random((seed * 100_000 + part * 10_000 + i.max(j) * 100 + i.min(j)) as u64)
+                    };
+                    Mat::from_fn(n, n, entry)
+                })
+                .collect();
+            let mut places: Vec<(usize, usize)> =
+                sizes.iter().enumerate().flat_map(|(part, &n)| (0..n).map(move |i| (i, part))).collect();
+            places.sort_unstable();
+            let at = |i: usize, part: usize| places.iter().position(|&place| place == (i, part)).expect("an unknown");
+            let apply = |x: &[f64]| -> Result<Vec<f64>, ()> {
+                let row =
+                    |&(i, part): &(usize, usize)| (0..sizes[part]).map(|j| blocks[part][(i, j)] * x[at(j, part)]).sum();
+                Ok(places.iter().map(row).collect())
+            };
+            let numbers = KrylovParts { part_of: places.iter().map(|&(_, part)| Some(part)).collect(), parts: 3 };
+            let (values, vector) = lowest(apply, &numbers).expect("the operator does not fail");
+            let image = apply(&vector).expect("it does not fail");
+            for (part, &n) in sizes.iter().enumerate() {
+                let dense = blocks[part].self_adjoint_eigenvalues(Side::Lower).expect("small")[0];
+                let value = values[part].expect("the part has unknowns");
+                assert!(
+                    (value - dense).abs() < 1e-9 * unit * n as f64,
+                    "seed {seed}, part {part}: {value}, dense {dense}"
+                );
+                for k in (0..n).map(|i| at(i, part)) {
+                    let off = (image[k] - value * vector[k]).abs();
+                    assert!(off < 1e-5 * unit, "seed {seed}, part {part}: the vector is off by {off:e}");
+                }
+                let length = (0..n).map(|i| vector[at(i, part)].powi(2)).sum::<f64>().sqrt();
+                assert!((length - 1.0).abs() < 1e-9, "seed {seed}, part {part}: length {length}");
+            }
+        }
+    }
+}

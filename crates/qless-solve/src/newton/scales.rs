@@ -45,7 +45,8 @@ impl Scales {
         let mut reaches = sizes.reaches(set);
         sizes.spread(set.linear_rows(), &mut reaches);
         let power = |reach: f64| if reach > 0.0 { reach.log2().round().exp2() } else { 1.0 };
-        let usable = |unit: f64| if unit.is_normal() && unit.recip().is_normal() { unit } else { 1.0 };
+        let range = f64::MIN_POSITIVE..f64::MIN_POSITIVE.recip();
+        let usable = |unit: f64| if range.contains(&unit) { unit } else { 1.0 };
         let units: Vec<f64> = reaches.into_iter().map(|reach| usable(power(reach))).collect();
         let weights = sizes.weights();
         Self { units, weights }

@@ -227,3 +227,42 @@ fn where_branches_meet_is_said() -> Outcome {
     assert!(near[1] * 4 > near[0] && far[1] * 8 < far[0], "{said:?}");
     Ok(())
 }
+
+/// A weight on a spring hangs from the joint of a driven linkage: the equations determine the linkage alone. The load steps and the path are
+/// the same in all units of length and force.
+#[test]
+fn steps_are_the_same_in_all_units() -> Outcome {
+    for seed in 0..6 {
+        let bar = FourBar { coupler: 1.9, rocker: 1.7 + 0.2 * random(seed), base: 2.0, side: [1.0, -1.0][seed % 2] };
+        let angle = [1.0, 2.5, TAU][seed / 2];
+        let pin = move |s: f64| [0.5 * (1.0 + s * angle).cos(), 0.5 * (1.0 + s * angle).sin()];
+        let (joint, _) = bar.joint(pin(0.0)).ok_or("it closes")?;
+        let run = |unit: f64, force: f64| -> Outcome<Equilibrium> {
+            let at = |dof: usize, place: Place| PlanarPoint::new([dof, dof + 1], place.map(|x| unit * x));
+            let mut builder = ConstraintSet::builder(6);
+            builder.add("coupler", Distance::new(at(0, pin(0.0)), at(2, joint)))?;
+            let point = at(2, joint);
+            builder.add("rocker", OnSphere { point, centre: [unit * bar.base, 0.0], radius: None })?;
+            builder.add("rope", Distance::new(at(2, joint), at(4, [joint[0] + 0.4, joint[1] - 0.7])))?;
+            for k in 0..2 {
+                builder.add("crank", Driven::new([(k, 1.0)], move |s| unit * (pin(s)[k] - pin(0.0)[k])))?;
+            }
+            let (mut set, stiff) = (builder.build()?, 3.0 * force / unit);
+            let loads = [0.0, 0.0, 0.0, 0.0, 0.2 * force, -force];
+            let (start, target) = (Start::at_rest(&set), Target { loads: &loads, prescribed: &[] });
+            let mut model = Weights { springs: vec![0.0, 0.0, 0.0, 0.0, stiff, stiff] };
+            Ok(drive(&mut model, &mut set, &start, &target, 1.0, &EquilibriumOptions::default())?)
+        };
+        let plain = run(1.0, 1.0)?;
+        for (unit, force) in
+            [(-24, 0), (24, 0), (0, 30), (-24, -30)].map(|(unit, force)| (2.0_f64.powi(unit), 2.0_f64.powi(force)))
+        {
+            let other = run(unit, force)?;
+            assert_eq!(other.steps.len(), plain.steps.len(), "{seed}: unit {unit:e}, force {force:e}");
+            for (a, b) in plain.u.iter().zip(&other.u) {
+                assert!((a - b / unit).abs() < 1e-8, "{seed}: unit {unit:e}, force {force:e}: {a} and {}", b / unit);
+            }
+        }
+    }
+    Ok(())
+}

@@ -134,3 +134,40 @@ fn what_cannot_be_solved_is_said() -> Outcome {
     assert!(matches!(loose.lagrange(), Err(EnforceError::Unsupported(_))));
     Ok(())
 }
+
+/// A redundant equation whose coefficients differ by rounding from a combination is in doubt, but holds.
+#[test]
+fn equations_in_doubt_that_hold_are_no_reason_to_refuse() -> Outcome {
+    for seed in 0..20 {
+        let k = stiffness(0.0)?;
+        let f = loads();
+        let mut builder = SystemBuilder::new(DOFS);
+        let row = |first: usize| [0, 3, 5].map(|j| (first + j, 1.0 + random(seed + first + j)));
+        builder.equation(row(2), 0.1);
+        builder.equation(row(4), 0.2);
+        // About a hundredth of the tolerance.
+        let both = [row(2), row(4).map(|(j, v)| (j, v * (1.0 + 1e-12 * (1.0 + random(j)))))].concat();
+        builder.equation(both, 0.3);
+        let system = builder.build()?;
+        let analysis = qless::analyse(&system, &qless::Options::default())?;
+        assert!(analysis.confidence().ambiguous && analysis.rank() == 2, "{seed}: {:?}", analysis.confidence());
+        let problem = Problem::new(&k, &f, &system)?;
+        assert!(difference(&problem.transformation()?.u, &problem.lagrange()?.u) < 1e-10, "{seed}: u");
+    }
+    Ok(())
+}
+
+/// Loads on DOFs that the equations fix do not change u; only such loads are told, and only if they are not zero.
+#[test]
+fn loads_on_fixed_dofs_are_told() -> Outcome {
+    let k = stiffness(0.0)?;
+    let mut builder = SystemBuilder::new(DOFS);
+    builder.equation([(3, 1.0), (4, 1.0)], 0.5);
+    builder.equation([(3, 1.0), (4, -1.0)], 0.5);
+    let system = builder.build()?;
+    let mut f = loads();
+    f[4] = 0.0;
+    let problem = Problem::new(&k, &f, &system)?;
+    assert_eq!(problem.loads_without_effect(), [(3, f[3])]);
+    Ok(())
+}

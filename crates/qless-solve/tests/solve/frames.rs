@@ -131,8 +131,13 @@ fn misuse_is_refused() -> Outcome {
     others.add("equal", Equal::new([0, 1]))?;
     let foreign = Start { multipliers: others.build()?.by_constraint(&[1.0])?, ..start.clone() };
     assert!(matches!(bad(&target, &foreign, &options), EquilibriumError::Argument(_)));
-    let off = EquilibriumOptions { tolerance: f64::NAN, ..options.clone() };
-    assert!(matches!(bad(&target, &start, &off), EquilibriumError::Option { .. }));
+    let fraction = |tolerance, first, shortest| EquilibriumOptions { tolerance, first, shortest, ..options.clone() };
+    let off = [0.0, -0.5, 1.5, f64::NAN];
+    let fractions = off.into_iter().flat_map(|x| [fraction(x, 0.5, 0.1), fraction(0.1, x, 0.1), fraction(0.1, 0.5, x)]);
+    let roundings = [0.5, f64::NAN, f64::INFINITY].map(|roundings| EquilibriumOptions { roundings, ..options.clone() });
+    for wrong in fractions.chain(roundings) {
+        assert!(matches!(bad(&target, &start, &wrong), EquilibriumError::Option { .. }), "{wrong:?}");
+    }
     Ok(())
 }
 

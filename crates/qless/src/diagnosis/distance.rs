@@ -99,8 +99,8 @@ impl KeptRows<'_> {
         for step in 0..STEPS {
             for (core, weights) in cores.iter().zip(&weights) {
                 for ((&row, weight), k) in core.rows.iter().zip(weights).zip(0..) {
-                    let sign = |lane: usize| signed(SEED + (step * SIGNS + lane) as u64, k).signum();
-                    sides[row as usize] = Some(std::array::from_fn(|lane| weight * sign(lane)));
+                    let drawn = |lane: usize| signed(SEED + (step * SIGNS + lane) as u64, k);
+                    sides[row as usize] = Some(std::array::from_fn(|lane| weight.copysign(drawn(lane))));
                 }
             }
             let u = self.solved(&sides, &is_accurate);

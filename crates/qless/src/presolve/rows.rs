@@ -1,6 +1,6 @@
 //! Sparse rows under elimination: unsorted, with fast lookup even in long rows.
 
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 use crate::input::scale::ldexp;
 
@@ -84,25 +84,7 @@ pub(crate) struct WorkingRow {
     /// The largest product of factors by which a user's equation was added to this row, at least 1. It amplifies the rounding errors of
     /// that equation.
     pub reach: f64,
-    table: Option<HashMap<u32, u32, Hasher>>,
-}
-
-type Hasher = std::hash::BuildHasherDefault<DofHasher>;
-
-/// A fast hash of DOF numbers, without protection against deliberate collisions.
-#[derive(Default)]
-pub(crate) struct DofHasher(u64);
-
-impl std::hash::Hasher for DofHasher {
-    fn finish(&self) -> u64 {
-        self.0
-    }
-    fn write(&mut self, bytes: &[u8]) {
-        bytes.iter().for_each(|&b| self.write_u32(u32::from(b)));
-    }
-    fn write_u32(&mut self, x: u32) {
-        self.0 = (self.0.rotate_left(5) ^ u64::from(x)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    }
+    table: Option<FxHashMap<u32, u32>>,
 }
 
 impl WorkingRow {

@@ -76,14 +76,9 @@ fn pivot_row(exchange: &Exchange, master: u32, preferences: &SlavePreferences) -
 /// The master with the largest coefficient above the bound in row i, among those that may become slaves.
 fn excess(exchange: &Exchange, i: u32, limit: f64, preferences: &SlavePreferences) -> Option<u32> {
     let own = exchange.relation.slave[i as usize];
-    let mut best: Option<(u32, f64)> = None;
-    for (j, v) in exchange.relation.row(i as usize).entries() {
-        let larger = best.is_none_or(|(_, most)| v.abs() >= most);
-        if v.abs() > limit && larger && exchange.is_free(j) && may_replace(preferences, j, own) {
-            best = Some((j, v.abs()));
-        }
-    }
-    best.map(|(j, _)| j)
+    let large = exchange.relation.row(i as usize).entries().filter(|(_, v)| v.abs() > limit);
+    let fit = large.filter(|&(j, _)| exchange.is_free(j) && may_replace(preferences, j, own));
+    fit.max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs())).map(|(j, _)| j)
 }
 
 /// A master whose coefficient is below this fraction of the largest one in the row is not made the slave of the row.

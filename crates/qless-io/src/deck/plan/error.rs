@@ -142,3 +142,16 @@ fn doubtful(case: &str, place: &str, term: Option<&(String, f64)>, (given, round
 
 /// DOFs of a cleaned deck that have another name there, each with its DOF in the original deck.
 pub(crate) type Renamed = FxHashMap<Dof, Dof>;
+
+#[cfg(test)]
+mod tests {
+    use super::doubtful;
+
+    #[test]
+    fn both_ranks_are_told_if_they_differ() {
+        let same = doubtful("step 1", "line 7", None, (5, 5));
+        assert!(same.contains("the rank 5 is in doubt") && !same.contains("or,"), "{same}");
+        let other = doubtful("step 1", "line 7", None, (5, 4));
+        assert!(other.contains("the rank is 5 or, without numbers that may be rounding, 4"), "{other}");
+    }
+}

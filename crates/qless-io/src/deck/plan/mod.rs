@@ -237,3 +237,16 @@ pub(super) fn reason(model: &Model, removed: &Removed, now: &str) -> String {
         Reason::Connected => format!("{now}: it shares DOFs with equations that are {now} too"),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Cases;
+
+    #[test]
+    fn sets_contain_their_load_cases() {
+        let list = |cases: &Cases| (0..5).filter(|&k| cases.contain(k)).collect::<Vec<_>>();
+        assert_eq!(list(&Cases::All), [0, 1, 2, 3, 4]);
+        assert_eq!(list(&Cases::UpTo(2)), [0, 1, 2]);
+        assert_eq!(list(&Cases::Only([1, 3].into())), [1, 3]);
+    }
+}

@@ -93,3 +93,39 @@ pub(crate) fn random_sides(eliminated: &Eliminated, keys: &RandomKeys) -> Vec<f6
     }
     all
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The bounds are at least the sums of magnitudes in the rows of `L^-1`, and equal to them if no factor is positive.
+    #[test]
+    fn sizes_of_inverse_bound_its_rows() {
+        const STEPS: usize = 12;
+        for seed in 0..50 {
+            let factor = |i: usize, t: usize| 4.0 * signed(seed, (100 * i + t) as u64) - 1.0;
+            let drawn = |i: usize, t: usize| {
+                (signed(seed + 1000, (100 * i + t) as u64) > 0.0).then(|| (t as u32, factor(i, t)))
+            };
+            let steps: Vec<u32> = (0..STEPS as u32).collect();
+            let factors = (0..STEPS).map(|i| (0..i).filter_map(|t| drawn(i, t)).collect()).collect();
+            let mut history = History { rows: steps.clone(), factors, steps, exponents: Vec::new() };
+            for is_negative in [false, true] {
+                let factors = history.factors.iter_mut().flatten();
+                factors.filter(|_| is_negative).for_each(|(_, factor)| *factor = -factor.abs());
+                let mut sums = [0.0; STEPS];
+                for column in 0..STEPS {
+                    let mut x = Vec::new();
+                    for (i, factors) in history.factors.iter().enumerate() {
+                        x.push(after(f64::from(u8::from(i == column)), factors, &x));
+                        sums[i] += x[i].abs();
+                    }
+                }
+                for (bound, sum) in sizes_of_inverse(&history).into_iter().zip(sums) {
+                    assert!(bound >= sum * (1.0 - 1e-12), "seed {seed}: {bound} is below {sum}");
+                    assert!(!is_negative || bound <= sum * (1.0 + 1e-12), "seed {seed}: {bound} is above {sum}");
+                }
+            }
+        }
+    }
+}

@@ -172,3 +172,17 @@ fn least_common_multiple(a: u128, b: u64) -> Option<u128> {
     }
     (a / x).checked_mul(u128::from(b))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::least_common_multiple;
+
+    #[test]
+    fn least_common_multiples_are_least() {
+        for (a, b) in (1..=60_u64).flat_map(|a| (1..=60_u64).map(move |b| (a, b))) {
+            let least = (1..=a * b).find(|multiple| multiple % a == 0 && multiple % b == 0);
+            assert_eq!(least_common_multiple(u128::from(a), b), least.map(u128::from), "{a} and {b}");
+        }
+        assert_eq!(least_common_multiple(u128::MAX, 2), None);
+    }
+}

@@ -258,6 +258,58 @@ mod tests {
         }
     }
 
+    /// L is the factor of `A A^T - s diag(A A^T)`, and the bound is that of the formula at the head of this file, with dense products.
+    #[test]
+    fn the_bound_of_rounding_is_that_of_the_formula() {
+        let mut random = randoms(5);
+        let mut next = move || random.next().expect("endless");
+        for size in 2..25 {
+            let mut row = |i: usize| -> Vec<f64> {
+                let entry = |j: usize| {
+                    if i == j {
+                        9.0
+                    } else if next() < 1.0 {
+                        next() - 0.9
+                    } else {
+                        0.0
+                    }
+                };
+                (0..size + 3).map(entry).collect()
+            };
+            let rows: Vec<Vec<f64>> = (0..size).map(&mut row).collect();
+            let rows: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
+            let scaled = ScaledCore::new(&core(&rows), false).expect("numbers of one size");
+            let factor = scaled.cholesky(SHIFT, usize::MAX).expect("positive definite");
+            let mut a = vec![vec![0.0; size + 3]; size];
+            scaled.rows.iter().zip(&mut a).for_each(|(row, a)| row.iter().for_each(|&(j, v)| a[j as usize] = v));
+            let mut l = vec![vec![0.0; size]; size];
+            for (i, (&diagonal, column)) in factor.diagonal.iter().zip(&factor.columns).enumerate() {
+                l[i][i] = diagonal;
+                column.iter().for_each(|&(k, v)| l[k as usize][i] = v);
+            }
+            let times = |x: &[Vec<f64>], i: usize, j: usize, of: fn(f64) -> f64| -> f64 {
+                x[i].iter().zip(&x[j]).map(|(x, y)| of(*x) * of(*y)).sum()
+            };
+            let longest = |x: &[Vec<f64>]| x.iter().map(|row| row.iter().filter(|v| **v != 0.0).count()).max();
+            let [p, q] = [&a, &l].map(|x| longest(x).expect("not empty"));
+            let mut bound = 0.0_f64;
+            for i in 0..size {
+                let whole = times(&a, i, i, |x| x);
+                for j in 0..size {
+                    let off = times(&a, i, j, |x| x) - times(&l, i, j, |x| x);
+                    assert!(
+                        off.abs() < 1e-14 * whole.max(times(&a, j, j, |x| x)),
+                        "{size}: entry {i}, {j} is off by {off:e}"
+                    );
+                }
+                let sum = |x: &[Vec<f64>]| (0..size).map(|j| times(x, i, j, f64::abs)).sum::<f64>();
+                bound = bound.max((gamma(p + 3) * sum(&a) + gamma(q + 2) * sum(&l)) / whole + 2.0 * f64::EPSILON);
+            }
+            let found = scaled.rounding(&factor);
+            assert!((bound..1.00001 * bound).contains(&found), "{size}: {found:e} for {bound:e}");
+        }
+    }
+
     #[test]
     fn a_long_ring_with_one_other_weight_is_proved_and_one_with_equal_weights_is_not() {
         let ring = |last: f64| {

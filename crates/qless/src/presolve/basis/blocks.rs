@@ -116,7 +116,7 @@ impl Vectors {
     pub fn restore_units(&mut self, units: &[i32]) {
         let [first, second] = &mut self.moves;
         for vector in [first, second, &mut self.sample, &mut self.particular] {
-            vector.iter_mut().zip(units).filter(|(_, unit)| **unit != 0).for_each(|(v, &unit)| *v = ldexp(*v, unit));
+            vector.iter_mut().zip(units).for_each(|(v, &unit)| *v = ldexp(*v, unit));
         }
     }
 }

@@ -20,7 +20,7 @@ pub(super) fn candidates(equations: &Csr) -> Vec<bool> {
     let mut work = GroupSearch::new(equations);
     let mut waiting: BinaryHeap<_> = work.count.iter().enumerate().map(|(j, &count)| Reverse((count, j))).collect();
     while let Some(Reverse((count, j))) = waiting.pop() {
-        if count == 0 || count != work.count[j] || count > GROUP {
+        if count != work.count[j] || count > GROUP {
             continue;
         }
         let group = work.group(j);

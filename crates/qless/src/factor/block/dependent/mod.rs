@@ -87,17 +87,17 @@ fn ordered_or_repaired(
 /// component in the singular vector of the smallest singular value, until the kept rows are independent. Then dropped rows that are no
 /// combination of the kept ones come back.
 fn repair(block: &Block, means: FactorContext, mut choice: Choice, order: Vec<usize>) -> Result<Rows, BackendError> {
-    let mut round = 0;
+    let mut rounds = 0..ROUNDS;
     loop {
         while choice.weakest.left <= means.tolerance {
             let Triangle { rows: mut kept, mut dropped, .. } = choice.triangle;
-            let place = kept.iter().position(|&i| i == choice.weakest.row).unwrap_or(kept.len() - 1);
-            dropped.push(kept.swap_remove(place));
+            kept.retain(|&i| i != choice.weakest.row);
+            dropped.push(choice.weakest.row);
             choice = Choice::of(block, &kept, &dropped, means)?;
         }
         let tableau = over_kept(&mut choice.triangle);
         let back = unexplained(block, &tableau, choice.triangle.rests(), means.tolerance)?;
-        if back.is_empty() || round == ROUNDS {
+        if back.is_empty() || rounds.next().is_none() {
             let left = choice.remainder(block);
             return Ok(rows(block, &tableau, left, choice, order));
         }
@@ -105,6 +105,5 @@ fn repair(block: &Block, means: FactorContext, mut choice: Choice, order: Vec<us
         dropped.retain(|k| !back.contains(k));
         kept.extend(back);
         choice = Choice::of(block, &kept, &dropped, means)?;
-        round += 1;
     }
 }
