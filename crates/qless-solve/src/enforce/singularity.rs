@@ -82,12 +82,12 @@ fn rounding_growth(equations: &Equations, solve: &mut Solve<'_>) -> Result<(f64,
 }
 
 /// Whether the factors are no inverse of A: `M^-1 A v` differs from the first iterate v, scaled to size one, by more than a half.
-/// Refinement then diverges. This needs a solve only if the residual of the solution is larger than half of the forces.
+/// Refinement then diverges. This needs a solve only if the solution is huge or its residual is larger than half of the forces.
 fn is_not_inverted(equations: &Equations, solve: &mut Solve<'_>, (v, size): (&[f64], f64), forces: &[f64]) -> bool {
     let off = |a: &[f64], b: &[f64]| largest(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>());
     let product = equations.apply(v);
     let residual = off(&product, &forces.iter().map(|f| f / size).collect::<Vec<_>>());
-    if residual * size <= 0.5 * largest(forces) {
+    if size < SUSPICIOUS && residual * size <= 0.5 * largest(forces) {
         return false;
     }
     solve(&product).map_or(true, |again| off(&again, v) > 0.5)

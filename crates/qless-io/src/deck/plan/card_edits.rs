@@ -108,7 +108,7 @@ pub fn kept_by_edits(
     let dropped: FxHashSet<usize> =
         edits.iter().rev().filter(|edit| echelon.extend(&dependencies, edit)).flatten().copied().collect();
     let kept = dependencies.kept(&dropped);
-    (!kept.is_empty()).then_some(kept)
+    (!kept.is_empty() && echelon.operations < OPERATIONS).then_some(kept)
 }
 
 /// The nonzero rows of the matrix N of dependencies (see the head of this file), by row of the analysis. Each equation counts as divided by

@@ -93,7 +93,13 @@ fn foreseen(first: &Choice, weak: &Weak) -> Option<Tableau> {
     let mut tableau = without(weak, with_null_space(first, weak)?)?;
     tableau.limit(STEEP);
     // One exchange can make another one worthwhile.
-    (0..ROUNDS).for_each(|_| tableau.prefer(later));
+    for _ in 0..ROUNDS {
+        let before = tableau.basic.clone();
+        tableau.prefer(later);
+        if tableau.basic == before {
+            break;
+        }
+    }
     Some(tableau)
 }
 
