@@ -6,6 +6,8 @@ mod clean;
 mod malformed;
 /// What the commands mean.
 mod meaning;
+/// Several models in a deck.
+mod models;
 /// Shared by all.
 mod parse;
 /// Parameters, loops and conditions.

@@ -7,7 +7,7 @@ use qless::{Noise, Options, SystemBuilder, analyse};
 use qless_io::deck::clean::{self, faults};
 use qless_io::deck::{Deck, Dof};
 
-use crate::parse::deck;
+use crate::parse::{deck, in_force, prescribed};
 
 const LABELS: [&str; 3] = ["UX", "ROTZ", "TEMP"];
 
@@ -125,6 +125,26 @@ proptest! {
         prop_assert_eq!(after.model().equations(), rank(&[&before]));
         prop_assert_eq!(rank(&[&after]), after.model().equations());
         prop_assert_eq!(rank(&[&before, &after]), after.model().equations());
+    }
+}
+
+/// What holds in each load case: the equations and the prescribed values.
+fn cases(deck: &Deck) -> Vec<(Vec<String>, Vec<String>)> {
+    (0..deck.model().cases().len()).map(|case| (in_force(deck, case), prescribed(deck, case))).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
+
+    /// The models of a deck are those of its parts, whatever each part is and whether it is solved.
+    #[test]
+    fn clear_separates_models(parts in prop::collection::vec((prop::collection::vec(said(), 1..8), any::<bool>()), 1..5)) {
+        let texts: Vec<String> = parts
+            .iter()
+            .map(|(said, is_solved)| text(said) + if *is_solved { "/SOLU\nSOLVE\nCEDELE,1\nD,1,UX,9\nSOLVE\nFINISH\n" } else { "" })
+            .collect();
+        let alone: Vec<_> = texts.iter().flat_map(|text| cases(&deck(text))).collect();
+        prop_assert_eq!(cases(&deck(&texts.join("/CLEAR,NOSTART\n"))), alone);
     }
 }
 

@@ -1,39 +1,118 @@
 //! Builds the model: first the equations by their number, then the coupled sets by their number, then the load cases.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::hash::Hash;
 
 use super::commands::coupled::CoupledSet;
 use super::commands::equations::{CeEquation, CeEquations, NodeRegion};
 use super::commands::numbering::StartsAt;
 use super::model::events::{EquationLife, cases};
 use super::model::nodes::NodeGroup;
-use super::reader::{AnsysReader, CommandOwner};
+use super::reader::{AnsysModels, AnsysReader, CommandOwner};
 use super::syntax::archive::DofCoefficient;
-use crate::deck::{CardName, Deck, DeckError, Dof, Model, Origin, Problem, Sources};
+use crate::deck::limits::HELD;
+use crate::deck::{CardName, Deck, DeckError, Dof, LoadCase, Model, Origin, Problem, Sources};
 
-/// Reads a deck. The model has the DOFs of `others` even if no equation names them, so `D,ALL` prescribes them, too.
+/// Reads a deck. The model has the DOFs of `others` even if no equation names them, so `D,ALL` prescribes them, too. If the deck has
+/// several models, each has load cases of its own, in which no equation of the others holds.
 ///
 /// # Errors
 /// [`DeckError`].
 pub fn read(sources: &mut Sources, others: &[Dof]) -> Result<Model, DeckError> {
-    let mut reader = AnsysReader::read(sources.path(0), &sources.text(0))?;
-    reader.others = others.to_vec();
-    fill(&mut reader)?;
-    Ok(reader.model)
+    let text = sources.text(0);
+    let mut joined = JoinedModels::default();
+    for reader in AnsysModels::new(sources.path(0), &text, |reader| reader.others = others.to_vec()) {
+        let mut reader = reader?;
+        let holds_nothing = reader.holds_nothing();
+        fill(&mut reader)?;
+        joined.add(reader.model, holds_nothing)?;
+    }
+    Ok(joined.model.unwrap_or_default())
 }
 
-/// The global position of each node; empty if the deck cannot be read again.
+/// The global position of each node; empty if the deck cannot be read again. A node that models place differently is left out.
 pub fn positions(deck: &Deck) -> HashMap<u32, [f64; 3]> {
-    let reader = deck.again(|sources| AnsysReader::with_positions(sources.path(0), &sources.text(0)));
-    reader.ok().and_then(|reader| reader.nodes.positions.kept).unwrap_or_default()
+    agreed(deck, |reader| reader.nodes.positions.kept.unwrap_or_default())
 }
 
-/// The nodes of the components that `CMBLOCK` and `CM` define, by name.
+/// The nodes of the components that `CMBLOCK` and `CM` define, by name. A name that models define differently is left out.
 pub fn node_sets(deck: &Deck) -> HashMap<String, Vec<u32>> {
-    let reader = deck.again(|sources| AnsysReader::with_positions(sources.path(0), &sources.text(0)));
-    let groups = reader.map(|reader| reader.nodes.groups).unwrap_or_default();
     let nodes = |ranges: NodeGroup| ranges.iter().flat_map(|&(first, last)| first..=last).collect();
-    groups.into_iter().map(|(name, ranges)| (name, nodes(ranges))).collect()
+    agreed(deck, |reader| {
+        reader.nodes.groups.into_iter().map(|(name, ranges)| (name, nodes(ranges))).collect::<HashMap<_, _>>()
+    })
+}
+
+/// The entries of all models, without those on which two models differ; empty if the deck cannot be read again.
+fn agreed<K: Eq + Hash, V: PartialEq>(deck: &Deck, entries: impl Fn(AnsysReader) -> HashMap<K, V>) -> HashMap<K, V> {
+    let read = |sources: &mut Sources| {
+        let text = sources.text(0);
+        let models = AnsysModels::new(sources.path(0), &text, |reader| reader.nodes.positions.keep());
+        models.map(|reader| reader.map(&entries)).collect::<Result<Vec<_>, _>>()
+    };
+    let mut all: HashMap<K, Option<V>> = HashMap::new();
+    for (key, value) in deck.again(read).unwrap_or_default().into_iter().flatten() {
+        match all.entry(key) {
+            Entry::Vacant(entry) => drop(entry.insert(Some(value))),
+            Entry::Occupied(mut entry) if entry.get().as_ref() != Some(&value) => drop(entry.insert(None)),
+            Entry::Occupied(_) => {}
+        }
+    }
+    all.into_iter().filter_map(|(key, value)| Some((key, value?))).collect()
+}
+
+/// The models so far as one, in whose load cases only the equations of one model hold.
+#[derive(Default)]
+struct JoinedModels {
+    model: Option<Model>,
+    /// Number of models that hold anything.
+    count: usize,
+}
+
+impl JoinedModels {
+    /// Adds a model. One that holds nothing has no load cases, unless there is no other.
+    fn add(&mut self, mut model: Model, holds_nothing: bool) -> Result<(), DeckError> {
+        let Some(joined) = &mut self.model else {
+            self.count = usize::from(!holds_nothing);
+            self.model = Some(model);
+            return Ok(());
+        };
+        if holds_nothing {
+            joined.warnings.append(&mut model.warnings);
+            return Ok(());
+        }
+        if self.count == 0 {
+            model.warnings.splice(..0, joined.warnings.drain(..));
+            *joined = model;
+        } else {
+            if self.count == 1 {
+                name_cases(joined, 1);
+            }
+            name_cases(&mut model, self.count + 1);
+            joined.append(&model);
+            check_held(joined)?;
+        }
+        self.count += 1;
+        Ok(())
+    }
+}
+
+fn name_cases(model: &mut Model, number: usize) {
+    model.cases.iter_mut().for_each(|case| case.name = format!("model {number}, {}", case.name));
+}
+
+fn check_held(model: &Model) -> Result<(), DeckError> {
+    let held = |case: &LoadCase| case.prescribed.len() + case.loads.len() + case.removed.len();
+    if model.cases.iter().map(held).sum::<usize>() <= HELD {
+        return Ok(());
+    }
+    let problem = Problem::Limit {
+        what: "the number of values in all load steps, and of equations that they lack",
+        limit: HELD,
+        advice: "make a deck for each model",
+    };
+    Err(DeckError { path: model.files[0].clone(), line: 0, card: "/CLEAR".to_owned(), field: None, problem })
 }
 
 /// Adds equations and load cases to the model of a reader. If the reader keeps the places of commands, returns the owner of each equation:

@@ -15,6 +15,10 @@ use crate::deck::{DeckError, Origin};
 impl AnsysReader {
     /// Executes one command. `next` is the start of the next line if this command is the only one on its line.
     pub fn command(&mut self, command: AnsysCommand, next: Option<TextPosition>) -> Result<(), DeckError> {
+        if command.key == *b"/CLE" && next.is_some() && !self.control.is_within() {
+            self.cleared = next;
+            return Ok(());
+        }
         let last = std::mem::take(&mut self.last_name);
         let repeats = command.name.is_empty();
         let from = self.places.as_ref().map_or(0, Vec::len);
@@ -36,6 +40,10 @@ impl AnsysReader {
         self.elements.in_block = false;
         if self.ended || self.controls(&command, next)? {
             return Ok(());
+        }
+        if matches!(&command.key, b"FINI" | b"/PRE" | b"/SOL" | b"/POS") {
+            let is_certain = self.control.state() == Execution::Executed;
+            self.in_post1 = is_certain && command.name.eq_ignore_ascii_case(b"/POST1");
         }
         let (line, title) = (command.line, command.title());
         let constrains = self.constrains(command.key);
@@ -105,7 +113,7 @@ impl AnsysReader {
         let prescribes =
             matches!(&command.key, b"D   " | b"DDEL") || self.effect(command.key) == CommandEffect::Prescribes;
         if prescribes {
-            self.leave_out_value(command.line, text);
+            self.doubt(command.line, text);
             return;
         }
         match &command.key {
@@ -123,7 +131,7 @@ impl AnsysReader {
             b"CERI" | b"RBE3" => self.region(command)?,
             b"D   " | b"DDEL" => match dof_command(command, &self.nodes, &self.selection) {
                 Ok(read) => self.dof_command(command, read),
-                Err(Rejection::LeftOut(why)) => self.leave_out_value(command.line, format!("{why}: left out")),
+                Err(Rejection::LeftOut(why)) => self.doubt(command.line, format!("{why}: left out")),
                 Err(Rejection::Fault(fault)) => return Err(fault),
             },
             b"F   " | b"FDEL" => match load(command, &self.nodes, &self.selection) {
@@ -137,7 +145,7 @@ impl AnsysReader {
                     "{} is in *IF, *DO or *CREATE, and it is not known whether it is executed",
                     command.title()
                 );
-                self.leave_out(command.line, text);
+                self.doubt(command.line, text);
             }
             b"SOLV" | b"LSWR" => self.solve(command),
             b"NBLO" => {

@@ -1,10 +1,10 @@
 //! Reads the text of a deck: collects equations, coupled sets, nodes, and values in the order of the deck.
 
 mod commands;
+mod models;
 mod unread;
 
 use std::ops::Range;
-use std::path::Path;
 
 use super::commands::coupled::CoupledSets;
 use super::commands::elements::ElementTypes;
@@ -19,6 +19,7 @@ use super::syntax::field::FieldFault;
 use super::syntax::parameters::ApdlParameters;
 use crate::bytes::LINE;
 use crate::deck::{DeckError, Dof, Model, Problem};
+pub use models::AnsysModels;
 use unread::UnreadCommands;
 
 /// The place of a command that belongs to an equation or a coupled set. `write` edits the text at these places.
@@ -80,49 +81,24 @@ pub struct AnsysReader {
     pub last_name: Vec<u8>,
     /// Whether `/EOF` or `/EXIT` has ended the deck.
     pub ended: bool,
+    /// Whether the commands are those of POST1, which constrain nothing.
+    pub in_post1: bool,
     /// Line of the first `SOLVE`.
     pub solved_at: Option<u32>,
+    /// Whether an earlier model of the deck is solved.
+    pub follows_solution: bool,
+    /// Where the next model begins, if `/CLEAR` has ended this one.
+    pub cleared: Option<TextPosition>,
     /// The archive tag, such as `R5.0`, if the deck has the format of an archive.
     pub archive: Option<&'static str>,
     pub unread: UnreadCommands,
 }
 
 impl AnsysReader {
-    /// Reads the text of a deck.
-    pub fn read(path: &Path, text: &[u8]) -> Result<Self, DeckError> {
-        Self::with(path, text, |_| ())
-    }
-
-    /// Like `read`, but also keeps the places of the commands that make equations and coupled sets.
-    pub fn with_places(path: &Path, text: &[u8]) -> Result<Self, DeckError> {
-        Self::with(path, text, |reader| reader.places = Some(Vec::new()))
-    }
-
-    /// Like `read`, but also keeps the positions of nodes.
-    pub fn with_positions(path: &Path, text: &[u8]) -> Result<Self, DeckError> {
-        Self::with(path, text, |reader| reader.nodes.positions.keep())
-    }
-
-    /// Reads the text without the positions of nodes, which cost memory. If a command needs them, reads the text again and keeps them.
-    fn with(path: &Path, text: &[u8], set: impl Fn(&mut Self)) -> Result<Self, DeckError> {
-        let new = || {
-            let mut reader = Self { model: Model::new(vec![path.to_path_buf()]), ..Self::default() };
-            set(&mut reader);
-            reader
-        };
-        let reader = new().lines(text)?;
-        if !reader.needs_positions {
-            return Ok(reader);
-        }
-        let mut again = new();
-        again.nodes.positions.keep();
-        again.lines(text)
-    }
-
-    fn lines(mut self, text: &[u8]) -> Result<Self, DeckError> {
-        let mut start = if text.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
-        let mut line = 0;
-        while start < text.len() && !self.ended && !self.needs_positions {
+    /// Reads one model of a deck.
+    fn lines(mut self, text: &[u8], from: TextPosition) -> Result<Self, DeckError> {
+        let (mut start, mut line) = (from.start, from.line - 1);
+        while start < text.len() && !self.ended && !self.needs_positions && self.cleared.is_none() {
             line += 1;
             if let Some(length) = self.quick(&text[start..], line) {
                 start += length;
@@ -140,7 +116,7 @@ impl AnsysReader {
             self.leave_out(line, text.to_owned());
         }
         self.end_replaced();
-        self.say_values_left_out();
+        self.say_doubts();
         if self.unread.omitted > 0 {
             let text = format!("and {} more warnings", self.unread.omitted);
             if self.unread.leaves_out {
@@ -161,6 +137,7 @@ impl AnsysReader {
         if !self.equations.quick(&statement, line) {
             return None;
         }
+        self.note(line);
         self.nodes.end();
         self.elements.in_block = false;
         (self.archive, self.constrained) = (Some(tag), true);
@@ -198,7 +175,7 @@ impl AnsysReader {
         }
     }
 
-    fn error(&self, line: u32, card: &str, (field, problem): FieldFault) -> DeckError {
+    pub fn error(&self, line: u32, card: &str, (field, problem): FieldFault) -> DeckError {
         DeckError { path: self.model.files[0].clone(), line: line as usize, card: card.to_owned(), field, problem }
     }
 }

@@ -55,7 +55,7 @@ pub struct FlowControl {
     /// Line of the outermost open block.
     opened: u32,
     /// Number of bytes that loops have read again.
-    again: usize,
+    pub again: usize,
     /// Where to continue reading; `None` for the next line.
     pub jump: Option<TextPosition>,
 }
