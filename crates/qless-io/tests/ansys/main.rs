@@ -2,6 +2,10 @@
 
 /// Decks written back.
 mod clean;
+/// Files that the deck writes and reads again.
+mod files;
+/// Generated coupled sets.
+mod generated;
 /// Every kind of malformed command and its message.
 mod malformed;
 /// What the commands mean.

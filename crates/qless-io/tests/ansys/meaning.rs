@@ -116,7 +116,7 @@ fn selections_of_all() {
         ("D,1,UX,1\n", 1),
         ("CP,1,UX,1,2\n", 1),
     ] {
-        for replaced in ["RESUME,TABLE", "CDREAD,DB,a,cdb", "PARRES,,a"] {
+        for replaced in ["RESUME,TABLE", "CDREAD,DB,a,cdb"] {
             let deck = deck(&format!("N,1\nN,2\nCE,1,0,1,UX,1,2,UX,1\nSOLVE\n{replaced}\n{after}"));
             assert_eq!((deck.model().left_out().count(), warnings(&deck).len()), (left_out, 1), "{replaced}, {after}");
         }

@@ -148,6 +148,20 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
+
+    /// After `RESUME`, the deck continues as if it had never left the place of `SAVE`.
+    #[test]
+    fn resume_returns_to_save(parts in prop::array::uniform3(prop::collection::vec(said(), 1..6)), is_solved in any::<bool>()) {
+        let [first, second, third] = parts.map(|said| text(&said));
+        let second = second + if is_solved { "/SOLU\nSOLVE\n" } else { "" };
+        let mut alone = cases(&deck(&format!("{first}{second}")));
+        alone.extend(cases(&deck(&format!("{first}{third}"))));
+        prop_assert_eq!(cases(&deck(&format!("{first}SAVE\n{second}RESUME\n{third}"))), alone);
+    }
+}
+
 /// Where node k is; nodes 1 to 5.
 const PLACES: [[i32; 3]; 5] = [[0, 0, 0], [2, 0, 0], [0, 3, 1], [-1, 2, 4], [1, 1, -2]];
 const SPATIAL: [&str; 6] = ["UX", "UY", "UZ", "ROTX", "ROTY", "ROTZ"];

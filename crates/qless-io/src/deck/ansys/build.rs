@@ -90,6 +90,8 @@ impl JoinedModels {
                 name_cases(joined, 1);
             }
             name_cases(&mut model, self.count + 1);
+            // Text that RESUME repeats gives the same warnings again.
+            model.warnings.retain(|warning| !joined.warnings.contains(warning));
             joined.append(&model);
             check_held(joined)?;
         }

@@ -50,6 +50,7 @@ mod commands {
     pub mod coupled;
     pub mod elements;
     pub mod equations;
+    pub mod generated;
     pub mod numbering;
     pub mod prescribed;
     pub mod region;

@@ -37,6 +37,9 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
     if let Some(solved) = reader.solved_at.filter(|&solved| solved <= last) {
         return Err(place(solved, "equations change after this load step; make a deck for each load step"));
     }
+    if reader.coupled.assumes_order() {
+        return Err(place(last, "CPSGEN numbers coupled sets in an order that is not documented; write them as CP"));
+    }
     let highest = reader.equations.highest();
     let numbering = match (reader.made.unread, reader.archive) {
         (true, _) => NewNumbers::Next,

@@ -41,6 +41,9 @@ impl AnsysReader {
         if self.ended || self.controls(&command, next)? {
             return Ok(());
         }
+        if matches!(&command.key, b"/FIL" | b"SAVE" | b"RESU" | b"PARS" | b"PARR") && self.file(&command, next) {
+            return Ok(());
+        }
         if matches!(&command.key, b"FINI" | b"/PRE" | b"/SOL" | b"/POS") {
             let is_certain = self.control.state() == Execution::Executed;
             self.in_post1 = is_certain && command.name.eq_ignore_ascii_case(b"/POST1");
@@ -65,7 +68,15 @@ impl AnsysReader {
         if let Some(tag) = command.archive_tag() {
             self.archive = Some(if tag.eq_ignore_ascii_case(b"UNBL") { "UNBL" } else { "R5.0" });
         }
-        self.run(&command).map_err(|fault| self.error(line, &title, fault))?;
+        match self.run(&command) {
+            Err(_) if constrains && self.nodes.are_in_files => {
+                let text = format!(
+                    "{title} uses a name that may be defined in a file, which this reader does not know: left out"
+                );
+                self.leave_out_command(&command, text);
+            }
+            result => result.map_err(|fault| self.error(line, &title, fault))?,
+        }
         self.constrained = constrains;
         Ok(())
     }
@@ -100,6 +111,13 @@ impl AnsysReader {
         match &command.key {
             b"N   " => self.nodes.are_generated = true,
             b"NSEL" => self.selection.nodes = SelectedNodes::Unknown,
+            b"ET  " | b"KEYO" => {
+                let text = format!(
+                    "{} uses {what}, whose value this reader does not know: equations of elements are left out",
+                    command.title()
+                );
+                self.leave_out(command.line, text);
+            }
             _ if self.constrains(command.key) => {
                 let text = format!("{} uses {what}, whose value this reader does not know: left out", command.title());
                 self.leave_out_command(command, text);
@@ -118,7 +136,7 @@ impl AnsysReader {
         }
         match &command.key {
             b"CE  " | b"CECM" => self.equations.leave_out(command),
-            b"CP  " => self.coupled.leave_out(command),
+            b"CP  " | b"CPNG" => self.coupled.leave_out(command),
             _ => self.made.unread = true,
         }
         self.note(command.line);
@@ -127,7 +145,9 @@ impl AnsysReader {
 
     fn run(&mut self, command: &AnsysCommand) -> Result<(), FieldFault> {
         match &command.key {
-            b"CE  " | b"CECM" | b"CEDE" | b"CP  " | b"CPDE" => self.equation(command)?,
+            b"CE  " | b"CECM" | b"CEDE" | b"CP  " | b"CPDE" | b"CPNG" | b"CPLG" | b"CPSG" => {
+                self.equation(command)?;
+            }
             b"CERI" | b"RBE3" => self.region(command)?,
             b"D   " | b"DDEL" => match dof_command(command, &self.nodes, &self.selection) {
                 Ok(read) => self.dof_command(command, read),
@@ -166,6 +186,9 @@ impl AnsysReader {
     }
 
     fn solve(&mut self, command: &AnsysCommand) {
+        if self.repeats_saved_text {
+            return;
+        }
         self.solved_at = self.solved_at.or(Some(command.line));
         self.equations.now += 1;
         self.coupled.now += 1;
@@ -176,9 +199,9 @@ impl AnsysReader {
 /// Whether parameters in the fields of a command are replaced by their values before the command is executed. Those of `RBE3` are not: it
 /// resolves its own fields, which may name arrays.
 fn is_read(key: CommandKey) -> bool {
-    const READ: [&CommandKey; 14] = [
-        b"CE  ", b"CECM", b"CEDE", b"CP  ", b"CPDE", b"CERI", b"D   ", b"DDEL", b"F   ", b"FDEL", b"N   ", b"NSEL",
-        b"ET  ", b"KEYO",
+    const READ: [&CommandKey; 17] = [
+        b"CE  ", b"CECM", b"CEDE", b"CP  ", b"CPDE", b"CPNG", b"CPLG", b"CPSG", b"CERI", b"D   ", b"DDEL", b"F   ",
+        b"FDEL", b"N   ", b"NSEL", b"ET  ", b"KEYO",
     ];
     READ.contains(&&key)
 }
@@ -207,6 +230,8 @@ impl AnsysReader {
                 .coupled
                 .read(command, &self.nodes, &self.selection)?
                 .map_or(CommandOwner::Other, CommandOwner::Coupled),
+            b"CPNG" => self.coupled.add_range(command)?.map_or(CommandOwner::Other, CommandOwner::Coupled),
+            b"CPLG" | b"CPSG" => self.coupled.copy(command).map(|()| CommandOwner::Other)?,
             b"CEDE" => self.equations.delete(command, &self.selection).map(|()| CommandOwner::Other)?,
             _ => self.coupled.delete(command, &self.selection).map(|()| CommandOwner::Other)?,
         };

@@ -1,10 +1,12 @@
 //! Reads the text of a deck: collects equations, coupled sets, nodes, and values in the order of the deck.
 
 mod commands;
+mod files;
 mod models;
 mod unread;
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::commands::coupled::CoupledSets;
 use super::commands::elements::ElementTypes;
@@ -19,6 +21,7 @@ use super::syntax::field::FieldFault;
 use super::syntax::parameters::ApdlParameters;
 use crate::bytes::LINE;
 use crate::deck::{DeckError, Dof, Model, Problem};
+use files::{TextPart, WrittenFiles};
 pub use models::AnsysModels;
 use unread::UnreadCommands;
 
@@ -87,8 +90,20 @@ pub struct AnsysReader {
     pub solved_at: Option<u32>,
     /// Whether an earlier model of the deck is solved.
     pub follows_solution: bool,
-    /// Where the next model begins, if `/CLEAR` has ended this one.
+    /// Where the next model begins, if `/CLEAR` or `RESUME` has ended this one.
     pub cleared: Option<TextPosition>,
+    /// The text with which the next model begins, if `RESUME` has ended this one.
+    resumes: Option<Arc<[TextPart]>>,
+    /// Where this model begins; `parts` of the text come before it if `RESUME` begins the model.
+    begins: TextPosition,
+    parts: Arc<[TextPart]>,
+    /// Whether the reader repeats the text of `parts`.
+    repeats_saved_text: bool,
+    /// Number of `events` of `parts`.
+    saved_events: usize,
+    /// Whether the deck has read parameters from a file since the model began.
+    has_read_parameters: bool,
+    files: WrittenFiles,
     /// The archive tag, such as `R5.0`, if the deck has the format of an archive.
     pub archive: Option<&'static str>,
     pub unread: UnreadCommands,
@@ -96,7 +111,19 @@ pub struct AnsysReader {
 
 impl AnsysReader {
     /// Reads one model of a deck.
-    fn lines(mut self, text: &[u8], from: TextPosition) -> Result<Self, DeckError> {
+    fn model(mut self, text: &[u8]) -> Result<Self, DeckError> {
+        self.repeats_saved_text = true;
+        for (from, until) in self.parts.clone().iter() {
+            self.lines(&text[..*until], *from)?;
+        }
+        self.repeats_saved_text = false;
+        self.saved_events = self.events.len();
+        self.lines(text, self.begins)?;
+        self.end();
+        Ok(self)
+    }
+
+    fn lines(&mut self, text: &[u8], from: TextPosition) -> Result<(), DeckError> {
         let (mut start, mut line) = (from.start, from.line - 1);
         while start < text.len() && !self.ended && !self.needs_positions && self.cleared.is_none() {
             line += 1;
@@ -111,6 +138,11 @@ impl AnsysReader {
                 (start, line) = (here.start, here.line - 1);
             }
         }
+        Ok(())
+    }
+
+    /// Says what is left out for reasons that only the end of the model shows.
+    fn end(&mut self) {
         if let Some(line) = self.control.never_closed().filter(|_| !self.ended) {
             let text = "*DO, *IF or *CREATE is never closed: constraints that it may still make are left out";
             self.leave_out(line, text.to_owned());
@@ -125,7 +157,6 @@ impl AnsysReader {
                 self.model.warn(0, 0, text);
             }
         }
-        Ok(self)
     }
 
     /// Reads a line of an archive by the fast path and returns its length; `None` if the line needs the general path.

@@ -1,10 +1,12 @@
-//! The models of a deck. `/CLEAR` deletes the database, parameters included, so that a new model begins after it.
+//! The models of a deck. `/CLEAR` and `RESUME` delete the database, parameters included, so that a new model begins after them.
 //!
 //! A deck holds what the texts between its `/CLEAR` commands would hold as decks of their own.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use super::AnsysReader;
+use super::files::{TextPart, WrittenFiles};
 use crate::deck::ansys::syntax::control::TextPosition;
 use crate::deck::{DeckError, Model, Problem};
 
@@ -18,6 +20,9 @@ pub struct AnsysModels<'a, F> {
     set: F,
     /// Where the next model begins; `None` after the last one.
     next: Option<TextPosition>,
+    /// The text with which `RESUME` lets the next model begin.
+    parts: Arc<[TextPart]>,
+    files: WrittenFiles,
     /// Number of models so far that hold anything.
     count: usize,
     /// Whether any model so far is solved.
@@ -31,25 +36,32 @@ impl<'a, F: Fn(&mut AnsysReader)> AnsysModels<'a, F> {
     pub fn new(path: &'a Path, text: &'a [u8], set: F) -> Self {
         let start = if text.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
         let next = Some(TextPosition { start, line: 1 });
-        Self { path, text, set, next, count: 0, is_solved: false, again: 0 }
+        let (parts, files) = Default::default();
+        Self { path, text, set, next, parts, files, count: 0, is_solved: false, again: 0 }
     }
 
     /// Reads a model without the positions of nodes, which cost memory. If a command needs them, reads it again and keeps them.
-    fn read(&self, from: TextPosition) -> Result<AnsysReader, DeckError> {
+    fn read(&self, begins: TextPosition) -> Result<AnsysReader, DeckError> {
         let new = || {
-            let model = Model::new(vec![self.path.to_path_buf()]);
-            let mut reader = AnsysReader { model, follows_solution: self.is_solved, ..AnsysReader::default() };
+            let mut reader = AnsysReader {
+                model: Model::new(vec![self.path.to_path_buf()]),
+                follows_solution: self.is_solved,
+                parts: Arc::clone(&self.parts),
+                files: self.files.clone(),
+                begins,
+                ..AnsysReader::default()
+            };
             reader.control.again = self.again;
             (self.set)(&mut reader);
             reader
         };
-        let reader = new().lines(self.text, from)?;
+        let reader = new().model(self.text)?;
         if !reader.needs_positions {
             return Ok(reader);
         }
         let mut again = new();
         again.nodes.positions.keep();
-        again.lines(self.text, from)
+        again.model(self.text)
     }
 
     fn check_count(&mut self, reader: &AnsysReader, from: TextPosition) -> Result<(), DeckError> {
@@ -71,6 +83,11 @@ impl<F: Fn(&mut AnsysReader)> Iterator for AnsysModels<'_, F> {
         let read = self.read(from).and_then(|reader| self.check_count(&reader, from).map(|()| reader));
         if let Ok(reader) = &read {
             self.next = reader.cleared;
+            self.parts = reader.resumes.clone().unwrap_or_default();
+            self.files = reader.files.clone();
+            if reader.resumes.is_none() {
+                self.files.clear();
+            }
             self.is_solved |= reader.solved_at.is_some();
             self.again = reader.control.again;
         }

@@ -97,12 +97,13 @@ impl AnsysReader {
 
     /// Whether no command so far has made, or may have made, a node, an equation or a value.
     fn is_empty(&self) -> bool {
-        self.holds_nothing() && self.nodes.numbers.is_empty() && !self.nodes.are_generated
+        let is_made = self.made.line > 0 || self.made.unread || self.nodes.are_generated;
+        !is_made && self.nodes.numbers.is_empty() && self.events.is_empty()
     }
 
-    /// Whether no command so far has made, or may have made, an equation, and none has prescribed, loaded or solved anything.
+    /// Whether no command since the model began has made, or may have made, an equation, and none has prescribed, loaded or solved anything.
     pub fn holds_nothing(&self) -> bool {
-        self.made.line == 0 && !self.made.unread && self.events.is_empty()
+        self.made.line < self.begins.line.max(1) && !self.made.unread && self.events.len() == self.saved_events
     }
 
     /// Records the effect of an unsupported command. Warns if the command makes, or may make, constraints. Warns of an unknown command only
@@ -147,7 +148,9 @@ impl AnsysReader {
 
     /// Whether a command makes or changes constraints.
     pub fn constrains(&mut self, key: CommandKey) -> bool {
-        let read = [b"CE  ", b"CECM", b"CEDE", b"CP  ", b"CPDE", b"D   ", b"DDEL", b"CERI", b"RBE3"];
+        let read = [
+            b"CE  ", b"CECM", b"CEDE", b"CP  ", b"CPDE", b"CPNG", b"CPLG", b"CPSG", b"D   ", b"DDEL", b"CERI", b"RBE3",
+        ];
         read.contains(&&key) || matches!(self.effect(key), CommandEffect::Constrains | CommandEffect::Prescribes)
     }
 

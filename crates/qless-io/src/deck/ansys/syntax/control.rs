@@ -8,7 +8,7 @@ use crate::deck::Problem;
 use crate::deck::limits::{ITERATION, REREAD};
 
 /// A position in the text: a byte, and its line from 1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TextPosition {
     pub start: usize,
     pub line: u32,
