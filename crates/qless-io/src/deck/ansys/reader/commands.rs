@@ -41,7 +41,7 @@ impl AnsysReader {
         if self.ended || self.controls(&command, next)? {
             return Ok(());
         }
-        if matches!(&command.key, b"/FIL" | b"SAVE" | b"RESU" | b"PARS" | b"PARR") && self.file(&command, next) {
+        if uses_files(command.key) && self.file(&command, next) {
             return Ok(());
         }
         if matches!(&command.key, b"FINI" | b"/PRE" | b"/SOL" | b"/POS") {
@@ -69,6 +69,10 @@ impl AnsysReader {
             self.archive = Some(if tag.eq_ignore_ascii_case(b"UNBL") { "UNBL" } else { "R5.0" });
         }
         match self.run(&command) {
+            // A load and a node constrain nothing, whatever they are.
+            Err(_) if self.nodes.are_in_files && matches!(&command.key, b"F   " | b"FDEL" | b"N   ") => {
+                self.nodes.are_generated = true;
+            }
             Err(_) if constrains && self.nodes.are_in_files => {
                 let text = format!(
                     "{title} uses a name that may be defined in a file, which this reader does not know: left out"
@@ -204,6 +208,13 @@ fn is_read(key: CommandKey) -> bool {
         b"FDEL", b"N   ", b"NSEL", b"ET  ", b"KEYO",
     ];
     READ.contains(&&key)
+}
+
+/// Whether a command writes or reads files of the deck, or changes which files there are.
+fn uses_files(key: CommandKey) -> bool {
+    const FILES: [&CommandKey; 11] =
+        [b"/FIL", b"SAVE", b"RESU", b"PARS", b"PARR", b"/COP", b"/REN", b"/DEL", b"/ASS", b"/SYS", b"/CWD"];
+    FILES.contains(&&key)
 }
 
 /// Whether a command sets parameters.

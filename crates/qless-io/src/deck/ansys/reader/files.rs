@@ -35,6 +35,12 @@ pub struct WrittenFiles {
 }
 
 impl WrittenFiles {
+    /// Other commands may have changed any file.
+    fn forget(&mut self) {
+        self.databases.clear();
+        self.parameters.clear();
+    }
+
     /// `/CLEAR` gives the job the name of the session.
     pub fn clear(&mut self) {
         self.job.clone_from(&self.session);
@@ -52,7 +58,8 @@ impl AnsysReader {
             b"SAVE" => self.save(command, next),
             b"RESU" => return self.resume(command, next),
             b"PARS" => self.save_parameters(command),
-            _ => self.read_parameters(command),
+            b"PARR" => self.read_parameters(command),
+            _ => self.files.forget(),
         }
         true
     }
@@ -113,6 +120,7 @@ impl AnsysReader {
             }
             None => {
                 self.parameters.forget_all();
+                self.control.doubt_loops();
                 self.nodes.are_in_files = true;
             }
         }

@@ -38,6 +38,7 @@ impl AnsysReader {
                 self.leave_out(command.line, text.to_owned());
             }
             b"NUMC" | b"NUMO" if self.renumbers(command) => {
+                self.made.unread |= self.made.line > 0;
                 let title = command.title();
                 let text = format!(
                     "{title} renumbers, which this reader does not follow: later commands with new numbers are left out"
@@ -65,6 +66,10 @@ impl AnsysReader {
                 self.warn(command.line, "DCUM is not followed: a later value of D replaces an earlier one".to_owned());
             }
             b"ALLS" | b"DCUM" => {}
+            b"ET  " if self.nodes.are_in_files && !command.field(2).iter().any(u8::is_ascii_digit) => {
+                let text = "ET names a type that a file may define: equations of its elements are left out";
+                self.leave_out(command.line, text.to_owned());
+            }
             b"ET  " => {
                 let warning = self.elements.element_type(command);
                 warning.into_iter().for_each(|text| self.leave_out(command.line, text.to_owned()));
@@ -77,6 +82,7 @@ impl AnsysReader {
             b"CM  " => self.selection.name_group(command, &mut self.nodes),
             b"NUMM" if ["ELEM", "TYPE", "REAL", "MAT", "MP", "SECN"].iter().any(|word| command.is(1, word)) => {}
             b"NUMM" => {
+                self.made.unread |= self.made.line > 0;
                 let text = format!(
                     "{} merges nodes or equations, which this reader does not follow: left out",
                     command.title()

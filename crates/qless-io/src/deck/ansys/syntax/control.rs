@@ -216,10 +216,14 @@ impl FlowControl {
                 Some(block) => *block = FlowBlock::Skipped,
                 None => {}
             },
-            _ => {
-                self.blocks.iter_mut().filter(|block| is_loop(block)).for_each(|block| *block = FlowBlock::Unknown);
-            }
+            _ => self.doubt_loops(),
         }
+    }
+
+    /// Makes the open loops unknown.
+    pub fn doubt_loops(&mut self) {
+        let is_loop = |block: &&mut FlowBlock| matches!(block, FlowBlock::Loop(_));
+        self.blocks.iter_mut().filter(is_loop).for_each(|block| *block = FlowBlock::Unknown);
     }
 }
 
