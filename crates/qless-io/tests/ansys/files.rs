@@ -36,6 +36,8 @@ fn files_are_known_by_name() {
         ("SAVE,a\nRESUME,a,,,1\n", 1),
         ("SAVE,a\n*IF,1,EQ,1,THEN\nRESUME,a\n*ENDIF\n", 1),
         ("SAVE,a\n/COPY,b,db,,a,db\nRESUME,a\n", 1),
+        ("SAVE,a\n/COPY,a,db,,b,db\n/DELETE,a,rst\nRESUME,a\n", 0),
+        ("SAVE,a\n/RENAME,a,db,,b,db\nRESUME,a\n", 1),
         ("SAVE,a\n/CWD,b\nRESUME,a\n", 1),
         ("SAVE,a\n/SYS,mv b.db a.db\nRESUME,a\n", 1),
         ("PARRES,,other\nSAVE,a\nRESUME,a\n", 1),
@@ -64,7 +66,8 @@ fn databases_hold_everything() {
 #[test]
 fn resuming_is_limited() {
     let text = "CE,1,0,1,UX,1\nSAVE\n".to_owned() + &"RESUME\nSAVE\n".repeat(3000) + "CE,2,0,2,UX,1\nSOLVE\n";
-    assert!(deck(&text).model().left_out().count() > 0);
+    let error = crate::parse::try_deck(&text).expect_err("too much to read again").to_string();
+    assert!(error.contains("the number of models exceeds"), "{error}");
 }
 
 #[test]

@@ -118,7 +118,10 @@ fn selections_of_all() {
     ] {
         for replaced in ["RESUME,TABLE", "CDREAD,DB,a,cdb"] {
             let deck = deck(&format!("N,1\nN,2\nCE,1,0,1,UX,1,2,UX,1\nSOLVE\n{replaced}\n{after}"));
-            assert_eq!((deck.model().left_out().count(), warnings(&deck).len()), (left_out, 1), "{replaced}, {after}");
+            // RESUME begins a model, so LSSOLVE solves load steps of another one.
+            let count = if replaced.starts_with("RESUME") && after.starts_with("LSSOLVE") { 2 } else { 1 };
+            let found = (deck.model().left_out().count(), warnings(&deck).len());
+            assert_eq!(found, (left_out * count, count), "{replaced}, {after}");
         }
     }
     // Values of unknown nodes matter where there are equations.

@@ -48,6 +48,7 @@ fn models_without_constraints_have_no_load_steps() {
         format!("/CLEAR\n{one}"),
         format!("FINISH\n/CLEAR,START\nX=1\n/CLEAR\n{one}"),
         format!("{one}/CLEAR\n/POST1\nPLNSOL,U\n"),
+        format!("{one}SOLVE\n/CLEAR\n/POST1\nPLNSOL,U\n"),
         format!("{one}/EOF\n/CLEAR\nCE,1,0,2,UX,1\n"),
     ] {
         let deck = deck(&text);
@@ -75,6 +76,10 @@ fn clear_within_blocks_is_not_followed() {
         let deck = deck(&format!("{one}*GET,A,NODE,,COUNT\n{before}/CLEAR\n{after}{one}"));
         assert!(deck.model().left_out().count() > 0, "{before}");
     }
+    for unknown in ["/INPUT,second,inp\n", "*USE,second\n", "LSSOLVE,1,1\n"] {
+        let deck = deck(&format!("{one}*IF,1,EQ,1,THEN\n/CLEAR\n*ENDIF\n{unknown}"));
+        assert_eq!(deck.model().left_out().count(), 1, "{unknown}");
+    }
     let skipped = deck(&format!("{one}*IF,1,EQ,2,THEN\n/CLEAR\n*ENDIF\nCE,1,0,2,UX,1\nSOLVE\n"));
     assert_eq!((skipped.model().left_out().count(), in_force(&skipped, 1).len()), (0, 1));
     assert_eq!(in_force(&skipped, 1), ["1:1 1, 2:1 1 = 0".to_owned()]);
@@ -98,4 +103,49 @@ fn models_are_limited() {
     let error = try_deck(&"CE,1,0,1,UX,1\n/CLEAR\n".repeat(101)).expect_err("too many").to_string();
     assert!(error.starts_with("deck.cdb:200: /CLEAR: the number of models exceeds"), "{error}");
     assert!(try_deck(&"X=1\n/CLEAR\n".repeat(1000)).is_ok());
+}
+
+/// A false start that `/CLEAR` deletes is no model that anybody solves, unless the deck writes it to a file or may solve it unseen.
+#[test]
+fn what_is_deleted_unsolved_is_not_checked() {
+    let conflict = "CE,1,0,1,UX,1\nCE,2,1,1,UX,1\n";
+    let good = "CE,1,0,1,UX,1\n";
+    for (text, count) in [
+        (format!("{conflict}/CLEAR\n{good}SOLVE\n"), 1),
+        (format!("{good}SOLVE\n{conflict}/CLEAR\n{good}SOLVE\n"), 2),
+        (format!("{good}SOLVE\n/CLEAR\n{conflict}/CLEAR\n"), 1),
+        (format!("{good}SOLVE\n/CLEAR\n{conflict}"), 2),
+        (format!("{conflict}/CLEAR\n{good}"), 2),
+        (format!("{conflict}SAVE\n/CLEAR\n{good}SOLVE\n"), 2),
+        (format!("{conflict}CDWRITE,DB,a,cdb\n/CLEAR\n{good}SOLVE\n"), 2),
+        (format!("{conflict}MYMACRO\n/CLEAR\n{good}SOLVE\n"), 2),
+        (format!("{conflict}LSWRITE,1\n/CLEAR\n{good}SOLVE\n"), 2),
+    ] {
+        let deck = deck(&text);
+        assert_eq!(deck.model().cases().len(), count, "{text}");
+        let is_said = warnings(&deck).iter().any(|text| text.contains("deleted without a solution"));
+        assert_eq!(
+            is_said,
+            !text.contains("MYMACRO") && count == text.matches("SOLVE").count() && !text.ends_with(conflict),
+            "{text}"
+        );
+        assert_eq!(deck.model().left_out().count(), 0, "{text}");
+    }
+}
+
+/// What comes after a `/CLEAR` that cannot be followed is not joined with what comes before it.
+#[test]
+fn what_is_lost_is_in_no_load_case() {
+    for lost in [
+        "*IF,1,EQ,1,THEN\n/CLEAR\n*ENDIF\n",
+        "FINISH $ /CLEAR\n",
+        "*DO,I,1,2\nRESUME\n*ENDDO\n",
+        "*DO,I,1,2\nSOLVE\nPARSAV\n/CLEAR\nPARRES\n*ENDDO\n",
+        "RESUME,other\n",
+    ] {
+        let deck = deck(&format!("CE,1,0,1,UX,1\nSOLVE\n{lost}CE,2,1,1,UX,1\nSOLVE\n/CLEAR\nCE,3,0,3,UX,1\nSOLVE\n"));
+        assert_eq!(deck.model().left_out().count(), 1, "{lost}");
+        let all: Vec<_> = (0..deck.model().cases().len()).map(|case| in_force(&deck, case).len()).collect();
+        assert!(all.iter().all(|count| *count == 1) && all.len() >= 2, "{lost}{all:?}");
+    }
 }

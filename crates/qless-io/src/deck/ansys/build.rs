@@ -7,7 +7,7 @@ use std::hash::Hash;
 use super::commands::coupled::CoupledSet;
 use super::commands::equations::{CeEquation, CeEquations, NodeRegion};
 use super::commands::numbering::StartsAt;
-use super::model::events::{EquationLife, cases};
+use super::model::events::{EquationLife, EventAction, cases};
 use super::model::nodes::NodeGroup;
 use super::reader::{AnsysModels, AnsysReader, CommandOwner};
 use super::syntax::archive::DofCoefficient;
@@ -24,11 +24,10 @@ pub fn read(sources: &mut Sources, others: &[Dof]) -> Result<Model, DeckError> {
     let mut joined = JoinedModels::default();
     for reader in AnsysModels::new(sources.path(0), &text, |reader| reader.others = others.to_vec()) {
         let mut reader = reader?;
-        let holds_nothing = reader.holds_nothing();
         fill(&mut reader)?;
-        joined.add(reader.model, holds_nothing)?;
+        joined.add(reader)?;
     }
-    Ok(joined.model.unwrap_or_default())
+    Ok(joined.finish())
 }
 
 /// The global position of each node; empty if the deck cannot be read again. A node that models place differently is left out.
@@ -68,11 +67,36 @@ struct JoinedModels {
     model: Option<Model>,
     /// Number of models that hold anything.
     count: usize,
+    is_solved: bool,
+    /// The load cases that the deck deletes without a solution, each with the line of the `/CLEAR` or `RESUME`.
+    deleted: Vec<(usize, u32)>,
 }
 
 impl JoinedModels {
     /// Adds a model. One that holds nothing has no load cases, unless there is no other.
-    fn add(&mut self, mut model: Model, holds_nothing: bool) -> Result<(), DeckError> {
+    fn add(&mut self, reader: AnsysReader) -> Result<(), DeckError> {
+        let holds_nothing = reader.holds_nothing();
+        let solutions = reader.events.iter().filter(|event| event.action == EventAction::Solve).count();
+        let deletes_case = reader.deletes_rest() && !holds_nothing && reader.model.cases.len() > solutions;
+        self.is_solved |= solutions > 0;
+        self.join(reader.model, holds_nothing)?;
+        if let (true, Some(next)) = (deletes_case, reader.cleared) {
+            self.deleted.push((self.model.as_ref().map_or(0, |model| model.cases.len() - 1), next.line - 1));
+        }
+        Ok(())
+    }
+
+    /// If any model is solved, the load cases that are deleted without a solution do not count. Otherwise others solve the deck.
+    fn finish(self) -> Model {
+        let mut model = self.model.unwrap_or_default();
+        for &(case, line) in self.deleted.iter().rev().filter(|_| self.is_solved) {
+            model.cases.remove(case);
+            model.warn(0, line, "constraints above this line are deleted without a solution: they are not checked");
+        }
+        model
+    }
+
+    fn join(&mut self, mut model: Model, holds_nothing: bool) -> Result<(), DeckError> {
         let Some(joined) = &mut self.model else {
             self.count = usize::from(!holds_nothing);
             self.model = Some(model);

@@ -15,10 +15,6 @@ use crate::deck::{DeckError, Origin};
 impl AnsysReader {
     /// Executes one command. `next` is the start of the next line if this command is the only one on its line.
     pub fn command(&mut self, command: AnsysCommand, next: Option<TextPosition>) -> Result<(), DeckError> {
-        if command.key == *b"/CLE" && next.is_some() && !self.control.is_within() {
-            self.cleared = next;
-            return Ok(());
-        }
         let last = std::mem::take(&mut self.last_name);
         let repeats = command.name.is_empty();
         let from = self.places.as_ref().map_or(0, Vec::len);
@@ -41,7 +37,16 @@ impl AnsysReader {
         if self.ended || self.controls(&command, next)? {
             return Ok(());
         }
-        if uses_files(command.key) && self.file(&command, next) {
+        if command.key == *b"/CLE" {
+            match next.filter(|_| !self.control.is_within()) {
+                Some(next) => self.cleared = Some(next),
+                None => self.lose(&command),
+            }
+            return Ok(());
+        }
+        self.is_written |= matches!(&command.key, b"SAVE" | b"CDWR");
+        if uses_files(command.key) {
+            self.file(&command, next);
             return Ok(());
         }
         if matches!(&command.key, b"FINI" | b"/PRE" | b"/SOL" | b"/POS") {
@@ -50,8 +55,12 @@ impl AnsysReader {
         }
         let (line, title) = (command.line, command.title());
         let constrains = self.constrains(command.key);
-        if constrains || matches!(&command.key, b"SOLV" | b"LSWR" | b"LSSO") {
+        let runs_others = self.effect(command.key) == CommandEffect::RunsOthers;
+        if constrains || runs_others || matches!(&command.key, b"SOLV" | b"LSWR") {
             self.use_replaced();
+        }
+        if self.is_lost {
+            return Ok(());
         }
         if constrains && self.control.state() == Execution::Unknown {
             let text =

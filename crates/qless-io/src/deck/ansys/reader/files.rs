@@ -21,6 +21,9 @@ use crate::deck::limits::REREAD;
 /// Name and extension.
 type FileName = (Vec<u8>, Vec<u8>);
 
+/// The text of a database that is resumed, or the line and title of the command if its content is not known.
+pub type Resumed = Result<Arc<[TextPart]>, (u32, String)>;
+
 /// A part of the text: where it begins, and the byte at which it ends.
 pub type TextPart = (TextPosition, usize);
 
@@ -35,7 +38,7 @@ pub struct WrittenFiles {
 }
 
 impl WrittenFiles {
-    /// Other commands may have changed any file.
+    /// Any file may have changed.
     fn forget(&mut self) {
         self.databases.clear();
         self.parameters.clear();
@@ -48,20 +51,29 @@ impl WrittenFiles {
 }
 
 impl AnsysReader {
-    /// Executes a command that writes or reads a file. Returns false if this reader does not follow it.
-    pub fn file(&mut self, command: &AnsysCommand, next: Option<TextPosition>) -> bool {
+    /// Executes a command that writes or reads a file. `next` is the start of the next line if the command is alone on its line.
+    pub fn file(&mut self, command: &AnsysCommand, next: Option<TextPosition>) {
         if self.repeats_saved_text {
-            return !matches!(&command.key, b"RESU" | b"PARR");
+            return;
         }
         match &command.key {
             b"/FIL" => self.name_job(command),
             b"SAVE" => self.save(command, next),
-            b"RESU" => return self.resume(command, next),
+            b"RESU" => self.resume(command, next),
             b"PARS" => self.save_parameters(command),
             b"PARR" => self.read_parameters(command),
+            b"/DEL" => self.forget_file(command, 1),
+            b"/COP" => self.forget_file(command, 4),
+            b"/REN" => [1, 4].into_iter().for_each(|at| self.forget_file(command, at)),
             _ => self.files.forget(),
         }
-        true
+    }
+
+    /// Fields `at` and `at + 1` name a file that a command changes: what it holds is not known any more.
+    fn forget_file(&mut self, command: &AnsysCommand, at: usize) {
+        let Some(name) = self.file_name(command, at, b"") else { return self.files.forget() };
+        self.files.databases.remove(&name);
+        self.files.parameters.remove(&name);
     }
 
     /// Executes `/FILNAME, Fname, Key`. A name that this reader does not know is unlike any other.
@@ -86,19 +98,17 @@ impl AnsysReader {
         }
     }
 
-    fn resume(&mut self, command: &AnsysCommand, next: Option<TextPosition>) -> bool {
+    /// Ends the model. The next one begins with what is saved, or with what this reader does not know.
+    fn resume(&mut self, command: &AnsysCommand, next: Option<TextPosition>) {
+        let Some(next) = next.filter(|_| !self.control.is_within()) else { return self.lose(command) };
         let keeps_parameters = !["", "0"].iter().any(|word| command.is(4, word));
-        let Some(next) = next.filter(|_| !keeps_parameters && !self.control.is_within()) else { return false };
         let parts = self.file_name(command, 1, b"db").and_then(|name| self.files.databases.get(&name));
-        let Some(parts) = parts.cloned() else { return false };
-        let length: usize = parts.iter().map(|(from, until)| until - from.start).sum();
-        if self.control.again.saturating_add(length) > REREAD {
-            return false;
-        }
-        self.control.again += length;
+        let length = |parts: &[TextPart]| parts.iter().map(|(from, until)| until - from.start).sum();
+        let rest = REREAD.saturating_sub(self.control.again);
+        let known = parts.filter(|parts| !keeps_parameters && length(parts) <= rest).cloned();
+        self.control.again += known.as_deref().map_or(0, length);
         self.cleared = Some(next);
-        self.resumes = Some(parts);
-        true
+        self.resumes = Some(known.ok_or_else(|| (command.line, command.title())));
     }
 
     fn save_parameters(&mut self, command: &AnsysCommand) {

@@ -21,7 +21,7 @@ use super::syntax::field::FieldFault;
 use super::syntax::parameters::ApdlParameters;
 use crate::bytes::LINE;
 use crate::deck::{DeckError, Dof, Model, Problem};
-use files::{TextPart, WrittenFiles};
+use files::{Resumed, TextPart, WrittenFiles};
 pub use models::AnsysModels;
 use unread::UnreadCommands;
 
@@ -92,8 +92,12 @@ pub struct AnsysReader {
     pub follows_solution: bool,
     /// Where the next model begins, if `/CLEAR` or `RESUME` has ended this one.
     pub cleared: Option<TextPosition>,
-    /// The text with which the next model begins, if `RESUME` has ended this one.
-    resumes: Option<Arc<[TextPart]>>,
+    /// What the next model begins with, if `RESUME` has ended this one.
+    resumes: Option<Resumed>,
+    /// Whether a command may have deleted the model where this reader cannot follow it. What comes after it is left out.
+    is_lost: bool,
+    /// Whether the model is written to a file, so that others may solve it.
+    is_written: bool,
     /// Where this model begins; `parts` of the text come before it if `RESUME` begins the model.
     begins: TextPosition,
     parts: Arc<[TextPart]>,
@@ -161,7 +165,7 @@ impl AnsysReader {
 
     /// Reads a line of an archive by the fast path and returns its length; `None` if the line needs the general path.
     fn quick(&mut self, text: &[u8], line: u32) -> Option<usize> {
-        if self.control.is_within() || self.places.is_some() || self.solved_at.is_some() {
+        if self.control.is_within() || self.places.is_some() || self.solved_at.is_some() || self.is_lost {
             return None;
         }
         let ArchiveLine { tag, length, statement } = archive::read(text)?;

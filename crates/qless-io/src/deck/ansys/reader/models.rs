@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::AnsysReader;
-use super::files::{TextPart, WrittenFiles};
+use super::files::{Resumed, WrittenFiles};
 use crate::deck::ansys::syntax::control::TextPosition;
 use crate::deck::{DeckError, Model, Problem};
 
@@ -20,8 +20,8 @@ pub struct AnsysModels<'a, F> {
     set: F,
     /// Where the next model begins; `None` after the last one.
     next: Option<TextPosition>,
-    /// The text with which `RESUME` lets the next model begin.
-    parts: Arc<[TextPart]>,
+    /// What `RESUME` lets the next model begin with.
+    begins_with: Resumed,
     files: WrittenFiles,
     /// Number of models so far that hold anything.
     count: usize,
@@ -36,8 +36,18 @@ impl<'a, F: Fn(&mut AnsysReader)> AnsysModels<'a, F> {
     pub fn new(path: &'a Path, text: &'a [u8], set: F) -> Self {
         let start = if text.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
         let next = Some(TextPosition { start, line: 1 });
-        let (parts, files) = Default::default();
-        Self { path, text, set, next, parts, files, count: 0, is_solved: false, again: 0 }
+        let begins_with = Ok(Arc::default());
+        Self {
+            path,
+            text,
+            set,
+            next,
+            begins_with,
+            files: WrittenFiles::default(),
+            count: 0,
+            is_solved: false,
+            again: 0,
+        }
     }
 
     /// Reads a model without the positions of nodes, which cost memory. If a command needs them, reads it again and keeps them.
@@ -46,12 +56,15 @@ impl<'a, F: Fn(&mut AnsysReader)> AnsysModels<'a, F> {
             let mut reader = AnsysReader {
                 model: Model::new(vec![self.path.to_path_buf()]),
                 follows_solution: self.is_solved,
-                parts: Arc::clone(&self.parts),
                 files: self.files.clone(),
                 begins,
                 ..AnsysReader::default()
             };
             reader.control.again = self.again;
+            match self.begins_with.clone() {
+                Ok(parts) => reader.parts = parts,
+                Err((line, title)) => reader.replace(line, title),
+            }
             (self.set)(&mut reader);
             reader
         };
@@ -83,7 +96,7 @@ impl<F: Fn(&mut AnsysReader)> Iterator for AnsysModels<'_, F> {
         let read = self.read(from).and_then(|reader| self.check_count(&reader, from).map(|()| reader));
         if let Ok(reader) = &read {
             self.next = reader.cleared;
-            self.parts = reader.resumes.clone().unwrap_or_default();
+            self.begins_with = reader.resumes.clone().unwrap_or_else(|| Ok(Arc::default()));
             self.files = reader.files.clone();
             if reader.resumes.is_none() {
                 self.files.clear();

@@ -134,8 +134,7 @@ impl AnsysReader {
             }
             CommandEffect::RunsOthers if command.key == *b"*REP" && !self.constrained => {}
             CommandEffect::Replaces => {
-                (self.nodes.are_generated, self.nodes.are_in_files) = (true, true);
-                self.unread.replaced.push((command.line, title));
+                self.replace(command.line, title);
             }
             CommandEffect::RunsOthers => {
                 (self.nodes.are_generated, self.nodes.are_in_files, self.made.unread) = (true, true, true);
@@ -150,6 +149,25 @@ impl AnsysReader {
                 self.warn_once(command.line, title.as_bytes(), text);
             }
         }
+    }
+
+    /// Records that a command replaces the model, or a part of it, by what this reader does not know.
+    pub fn replace(&mut self, line: u32, title: String) {
+        (self.nodes.are_generated, self.nodes.are_in_files) = (true, true);
+        self.unread.replaced.push((line, title));
+    }
+
+    /// Records that a command may have deleted the model in a block, or on a line with other commands, where this reader does not follow it.
+    pub fn lose(&mut self, command: &AnsysCommand) {
+        if !std::mem::replace(&mut self.is_lost, true) {
+            self.replace(command.line, command.title());
+        }
+    }
+
+    /// Whether `/CLEAR` or `RESUME` deletes what comes after the last solution, and no command may have solved it or written it to a file.
+    pub fn deletes_rest(&self) -> bool {
+        let is_known = self.unread.warned.is_empty() && !self.made.unread && self.model.left_out().next().is_none();
+        self.cleared.is_some() && is_known && !self.is_written && !self.is_lost
     }
 
     /// Whether a command makes or changes constraints.
@@ -172,8 +190,11 @@ impl AnsysReader {
         }
     }
 
-    /// Warns that a constraint is left out, which makes the model incomplete.
+    /// Warns that a constraint is left out, which makes the model incomplete. A loop may leave out the same one again, which is said once.
     pub fn leave_out(&mut self, line: u32, text: String) {
+        if self.model.warnings.iter().any(|warning| warning.line == line && warning.text == text) {
+            return;
+        }
         if self.model.warnings.len() < WARNINGS {
             self.model.leave_out(0, line, text);
         } else {
@@ -202,6 +223,9 @@ impl AnsysReader {
 
     /// Notes that a command is left out which matters only if the model has equations.
     pub fn doubt(&mut self, line: u32, text: String) {
+        if self.unread.doubts.iter().any(|(known, before)| *known == line && *before == text) {
+            return;
+        }
         if self.unread.doubts.len() < WARNINGS {
             self.unread.doubts.push((line, text));
         } else {

@@ -35,7 +35,7 @@ const NODES: &str = "NGEN FILL NSYM NREA NDIS KMES LMES AMES VMES FVME IMES VSWE
 const OTHERS: &str = "/INP *USE INRE LSRE LSSO IGES *REP *GO ~CAT EXUN";
 
 /// Commands that replace the model.
-const REPLACE: &str = "CDRE RESU LDRE /CLE FLRE";
+const REPLACE: &str = "CDRE LDRE FLRE";
 
 /// Commands of archives and plain decks without effect on constraints: elements, materials, sections, loads, output, the solid model.
 const NOTHING: &str = "ET EN E EBLO TYPE MAT REAL SECN SECT SECD SECO SECB SECC SECF SECP ESYS KEYO KEYW R RMOR RLBL RDEL \
