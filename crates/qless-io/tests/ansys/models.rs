@@ -46,6 +46,7 @@ fn models_without_constraints_have_no_load_steps() {
     let one = "CE,1,0,1,UX,1\n";
     for text in [
         format!("/CLEAR\n{one}"),
+        format!("FINISH $ /CLEAR\n{one}"),
         format!("FINISH\n/CLEAR,START\nX=1\n/CLEAR\n{one}"),
         format!("{one}/CLEAR\n/POST1\nPLNSOL,U\n"),
         format!("{one}SOLVE\n/CLEAR\n/POST1\nPLNSOL,U\n"),

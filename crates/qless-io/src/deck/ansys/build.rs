@@ -7,12 +7,12 @@ use std::hash::Hash;
 use super::commands::coupled::CoupledSet;
 use super::commands::equations::{CeEquation, CeEquations, NodeRegion};
 use super::commands::numbering::StartsAt;
-use super::model::events::{EquationLife, EventAction, cases};
+use super::joined::JoinedModels;
+use super::model::events::{EquationLife, cases};
 use super::model::nodes::NodeGroup;
 use super::reader::{AnsysModels, AnsysReader, CommandOwner};
 use super::syntax::archive::DofCoefficient;
-use crate::deck::limits::HELD;
-use crate::deck::{CardName, Deck, DeckError, Dof, LoadCase, Model, Origin, Problem, Sources};
+use crate::deck::{CardName, Deck, DeckError, Dof, Model, Origin, Problem, Sources};
 
 /// Reads a deck. The model has the DOFs of `others` even if no equation names them, so `D,ALL` prescribes them, too. If the deck has
 /// several models, each has load cases of its own, in which no equation of the others holds.
@@ -59,86 +59,6 @@ fn agreed<K: Eq + Hash, V: PartialEq>(deck: &Deck, entries: impl Fn(AnsysReader)
         }
     }
     all.into_iter().filter_map(|(key, value)| Some((key, value?))).collect()
-}
-
-/// The models so far as one, in whose load cases only the equations of one model hold.
-#[derive(Default)]
-struct JoinedModels {
-    model: Option<Model>,
-    /// Number of models that hold anything.
-    count: usize,
-    is_solved: bool,
-    /// The load cases that the deck deletes without a solution, each with the line of the `/CLEAR` or `RESUME`.
-    deleted: Vec<(usize, u32)>,
-}
-
-impl JoinedModels {
-    /// Adds a model. One that holds nothing has no load cases, unless there is no other.
-    fn add(&mut self, reader: AnsysReader) -> Result<(), DeckError> {
-        let holds_nothing = reader.holds_nothing();
-        let solutions = reader.events.iter().filter(|event| event.action == EventAction::Solve).count();
-        let deletes_case = reader.deletes_rest() && !holds_nothing && reader.model.cases.len() > solutions;
-        self.is_solved |= solutions > 0;
-        self.join(reader.model, holds_nothing)?;
-        if let (true, Some(next)) = (deletes_case, reader.cleared) {
-            self.deleted.push((self.model.as_ref().map_or(0, |model| model.cases.len() - 1), next.line - 1));
-        }
-        Ok(())
-    }
-
-    /// If any model is solved, the load cases that are deleted without a solution do not count. Otherwise others solve the deck.
-    fn finish(self) -> Model {
-        let mut model = self.model.unwrap_or_default();
-        for &(case, line) in self.deleted.iter().rev().filter(|_| self.is_solved) {
-            model.cases.remove(case);
-            model.warn(0, line, "constraints above this line are deleted without a solution: they are not checked");
-        }
-        model
-    }
-
-    fn join(&mut self, mut model: Model, holds_nothing: bool) -> Result<(), DeckError> {
-        let Some(joined) = &mut self.model else {
-            self.count = usize::from(!holds_nothing);
-            self.model = Some(model);
-            return Ok(());
-        };
-        if holds_nothing {
-            joined.warnings.append(&mut model.warnings);
-            return Ok(());
-        }
-        if self.count == 0 {
-            model.warnings.splice(..0, joined.warnings.drain(..));
-            *joined = model;
-        } else {
-            if self.count == 1 {
-                name_cases(joined, 1);
-            }
-            name_cases(&mut model, self.count + 1);
-            // Text that RESUME repeats gives the same warnings again.
-            model.warnings.retain(|warning| !joined.warnings.contains(warning));
-            joined.append(&model);
-            check_held(joined)?;
-        }
-        self.count += 1;
-        Ok(())
-    }
-}
-
-fn name_cases(model: &mut Model, number: usize) {
-    model.cases.iter_mut().for_each(|case| case.name = format!("model {number}, {}", case.name));
-}
-
-fn check_held(model: &Model) -> Result<(), DeckError> {
-    let held = |case: &LoadCase| case.prescribed.len() + case.loads.len() + case.removed.len();
-    if model.cases.iter().map(held).sum::<usize>() <= HELD {
-        return Ok(());
-    }
-    let problem = Problem::Limit {
-        what: "the number of values in all load steps, and of equations that they lack",
-        limit: HELD,
-        advice: "make a deck for each model",
-    };
-    Err(DeckError { path: model.files[0].clone(), line: 0, card: "/CLEAR".to_owned(), field: None, problem })
 }
 
 /// Adds equations and load cases to the model of a reader. If the reader keeps the places of commands, returns the owner of each equation:

@@ -23,6 +23,7 @@
 //! | `commands` | the commands that constrain |
 //! | `reader` | reads a text line by line and executes each command |
 //! | `build` | the model of a deck |
+//! | `joined` | joins the models of a deck that has several |
 //! | `write` | a deck with changed equations |
 
 mod syntax {
@@ -57,6 +58,7 @@ mod commands {
 }
 
 mod build;
+mod joined;
 mod reader;
 mod write;
 

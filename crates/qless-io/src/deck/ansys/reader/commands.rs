@@ -40,6 +40,7 @@ impl AnsysReader {
         if command.key == *b"/CLE" {
             match next.filter(|_| !self.control.is_within()) {
                 Some(next) => self.cleared = Some(next),
+                None if self.is_empty() && self.parameters.is_empty() => {}
                 None => self.lose(&command),
             }
             return Ok(());
@@ -259,6 +260,7 @@ impl AnsysReader {
         let remark = self.equations.remark.take();
         remark.into_iter().for_each(|text| self.warn(command.line, text));
         let doubt = self.equations.doubt.take().or(self.coupled.doubt.take());
+        self.made.unread |= doubt.is_some() && matches!(&command.key, b"CPLG" | b"CPSG");
         doubt.into_iter().for_each(|text| self.leave_out(command.line, text));
         Ok(())
     }

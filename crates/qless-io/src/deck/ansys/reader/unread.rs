@@ -102,7 +102,7 @@ impl AnsysReader {
     }
 
     /// Whether no command so far has made, or may have made, a node, an equation or a value.
-    fn is_empty(&self) -> bool {
+    pub fn is_empty(&self) -> bool {
         let is_made = self.made.line > 0 || self.made.unread || self.nodes.are_generated;
         !is_made && self.nodes.numbers.is_empty() && self.events.is_empty()
     }

@@ -109,6 +109,11 @@ impl ApdlParameters {
         saved.values.iter().for_each(|(name, value)| self.put(name.clone(), Some(value.clone())));
     }
 
+    /// Whether there are no parameters.
+    pub fn is_empty(&self) -> bool {
+        self.values.is_empty()
+    }
+
     /// Whether a parameter has this name.
     pub fn is_name(&self, text: &[u8]) -> bool {
         self.values.contains_key(&String::from_utf8_lossy(text).to_ascii_uppercase())
