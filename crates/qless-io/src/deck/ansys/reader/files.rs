@@ -124,16 +124,13 @@ impl AnsysReader {
     fn read_parameters(&mut self, command: &AnsysCommand) {
         self.has_read_parameters = true;
         let saved = self.file_name(command, 2, b"parm").and_then(|name| self.files.parameters.get(&name));
-        match saved.filter(|_| !self.control.is_within()) {
-            Some(saved) => {
-                self.parameters.read_saved(saved, command.field(1).to_ascii_uppercase().starts_with(b"CHAN"))
-            }
-            None => {
-                self.parameters.forget_all();
-                self.control.doubt_loops();
-                self.nodes.are_in_files = true;
-            }
+        if let Some(saved) = saved.filter(|_| !self.control.is_within()) {
+            self.parameters.read_saved(saved, command.field(1).to_ascii_uppercase().starts_with(b"CHAN"));
+            return;
         }
+        self.parameters.forget_all();
+        self.control.doubt_loops();
+        self.nodes.are_in_files = true;
     }
 
     /// The file that fields `at` and `at + 1` name; `None` if parameters decide which it is.

@@ -61,6 +61,7 @@ pub struct EquationsMade {
 
 /// The state of the reader after the commands that it has read so far.
 #[derive(Debug, Default)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a property that stands alone")]
 pub struct AnsysReader {
     pub model: Model,
     pub equations: CeEquations,
