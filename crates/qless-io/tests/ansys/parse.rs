@@ -27,6 +27,12 @@ pub fn equations(deck: &Deck) -> Vec<String> {
     (0..model.equations()).map(text).collect()
 }
 
+/// Equations in force in a load case, as `node:component coefficient ... = rhs`.
+pub fn in_force(deck: &Deck, case: usize) -> Vec<String> {
+    let all = equations(deck);
+    deck.model().in_force(&deck.model().cases()[case]).map(|i| all[i].clone()).collect()
+}
+
 /// Prescribed values of a load case as `node:component value`.
 pub fn prescribed(deck: &Deck, case: usize) -> Vec<String> {
     deck.model().cases()[case].prescribed.iter().map(|given| format!("{} {}", given.dof, given.value)).collect()

@@ -86,6 +86,10 @@ fn what_is_not_followed_constrains_perhaps() {
         ),
         ("CE,1,0,1,UX,1\n*REPEAT,4,1\n", "2: *REPEAT is not followed"),
         (
+            "*DO,I,1,3\nCE,NEXT,0,I,UX,1\n*IF,NX(1),EQ,0,EXIT\n*ENDDO\n",
+            "2: CE is in *IF, *DO or *CREATE, and it is not known whether it is executed",
+        ),
+        (
             "*DO,I,1,3\n*IF,NX(1),EQ,0,THEN\n*EXIT\n*ENDIF\nD,7,UX\n*ENDDO\n",
             "5: D is in *IF, *DO or *CREATE, and it is not known whether it is executed",
         ),

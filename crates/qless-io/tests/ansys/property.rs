@@ -7,7 +7,7 @@ use qless::{Noise, Options, SystemBuilder, analyse};
 use qless_io::deck::clean::{self, faults};
 use qless_io::deck::{Deck, Dof};
 
-use crate::parse::deck;
+use crate::parse::{deck, in_force, prescribed};
 
 const LABELS: [&str; 3] = ["UX", "ROTZ", "TEMP"];
 
@@ -125,6 +125,42 @@ proptest! {
         prop_assert_eq!(after.model().equations(), rank(&[&before]));
         prop_assert_eq!(rank(&[&after]), after.model().equations());
         prop_assert_eq!(rank(&[&before, &after]), after.model().equations());
+    }
+}
+
+/// What holds in each load case: the equations and the prescribed values.
+fn cases(deck: &Deck) -> Vec<(Vec<String>, Vec<String>)> {
+    (0..deck.model().cases().len()).map(|case| (in_force(deck, case), prescribed(deck, case))).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
+
+    /// The models of a deck are those of its parts. If any part is solved, those that are deleted unsolved do not count.
+    #[test]
+    fn clear_separates_models(parts in prop::collection::vec((prop::collection::vec(said(), 1..8), any::<bool>()), 1..5)) {
+        let texts: Vec<String> = parts
+            .iter()
+            .map(|(said, is_solved)| text(said) + if *is_solved { "/SOLU\nSOLVE\nCEDELE,1\nD,1,UX,9\nSOLVE\nFINISH\n" } else { "" })
+            .collect();
+        let is_any_solved = parts.iter().any(|(_, is_solved)| *is_solved);
+        let counts = |k: usize| parts[k].1 || k + 1 == parts.len() || !is_any_solved;
+        let alone: Vec<_> = (0..parts.len()).filter(|&k| counts(k)).flat_map(|k| cases(&deck(&texts[k]))).collect();
+        prop_assert_eq!(cases(&deck(&texts.join("/CLEAR,NOSTART\n"))), alone);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
+
+    /// After `RESUME`, the deck continues as if it had never left the place of `SAVE`.
+    #[test]
+    fn resume_returns_to_save(parts in prop::array::uniform3(prop::collection::vec(said(), 1..6)), is_solved in any::<bool>()) {
+        let [first, second, third] = parts.map(|said| text(&said));
+        let second = second + if is_solved { "/SOLU\nSOLVE\n" } else { "" };
+        let mut alone = cases(&deck(&format!("{first}{second}")));
+        alone.extend(cases(&deck(&format!("{first}{third}"))));
+        prop_assert_eq!(cases(&deck(&format!("{first}SAVE\n{second}RESUME\n{third}"))), alone);
     }
 }
 

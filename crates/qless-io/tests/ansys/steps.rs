@@ -1,15 +1,8 @@
 //! Load steps: what is prescribed and which equations are in force in each.
 
-use qless_io::deck::Deck;
 use qless_io::deck::clean;
 
-use crate::parse::{deck, prescribed, warnings};
-
-/// Equations in force in a load case, as `node:component coefficient ... = rhs`.
-fn in_force(deck: &Deck, case: usize) -> Vec<String> {
-    let all = crate::parse::equations(deck);
-    deck.model().in_force(&deck.model().cases()[case]).map(|i| all[i].clone()).collect()
-}
+use crate::parse::{deck, in_force, prescribed, warnings};
 
 #[test]
 fn equations_of_each_step() {

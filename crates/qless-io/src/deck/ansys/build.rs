@@ -1,39 +1,64 @@
 //! Builds the model: first the equations by their number, then the coupled sets by their number, then the load cases.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::hash::Hash;
 
 use super::commands::coupled::CoupledSet;
 use super::commands::equations::{CeEquation, CeEquations, NodeRegion};
 use super::commands::numbering::StartsAt;
+use super::joined::JoinedModels;
 use super::model::events::{EquationLife, cases};
 use super::model::nodes::NodeGroup;
-use super::reader::{AnsysReader, CommandOwner};
+use super::reader::{AnsysModels, AnsysReader, CommandOwner};
 use super::syntax::archive::DofCoefficient;
 use crate::deck::{CardName, Deck, DeckError, Dof, Model, Origin, Problem, Sources};
 
-/// Reads a deck. The model has the DOFs of `others` even if no equation names them, so `D,ALL` prescribes them, too.
+/// Reads a deck. The model has the DOFs of `others` even if no equation names them, so `D,ALL` prescribes them, too. If the deck has
+/// several models, each has load cases of its own, in which no equation of the others holds.
 ///
 /// # Errors
 /// [`DeckError`].
 pub fn read(sources: &mut Sources, others: &[Dof]) -> Result<Model, DeckError> {
-    let mut reader = AnsysReader::read(sources.path(0), &sources.text(0))?;
-    reader.others = others.to_vec();
-    fill(&mut reader)?;
-    Ok(reader.model)
+    let text = sources.text(0);
+    let mut joined = JoinedModels::default();
+    for reader in AnsysModels::new(sources.path(0), &text, |reader| reader.others = others.to_vec()) {
+        let mut reader = reader?;
+        fill(&mut reader)?;
+        joined.add(reader)?;
+    }
+    Ok(joined.finish())
 }
 
-/// The global position of each node; empty if the deck cannot be read again.
+/// The global position of each node; empty if the deck cannot be read again. A node that models place differently is left out.
 pub fn positions(deck: &Deck) -> HashMap<u32, [f64; 3]> {
-    let reader = deck.again(|sources| AnsysReader::with_positions(sources.path(0), &sources.text(0)));
-    reader.ok().and_then(|reader| reader.nodes.positions.kept).unwrap_or_default()
+    agreed(deck, |reader| reader.nodes.positions.kept.unwrap_or_default())
 }
 
-/// The nodes of the components that `CMBLOCK` and `CM` define, by name.
+/// The nodes of the components that `CMBLOCK` and `CM` define, by name. A name that models define differently is left out.
 pub fn node_sets(deck: &Deck) -> HashMap<String, Vec<u32>> {
-    let reader = deck.again(|sources| AnsysReader::with_positions(sources.path(0), &sources.text(0)));
-    let groups = reader.map(|reader| reader.nodes.groups).unwrap_or_default();
     let nodes = |ranges: NodeGroup| ranges.iter().flat_map(|&(first, last)| first..=last).collect();
-    groups.into_iter().map(|(name, ranges)| (name, nodes(ranges))).collect()
+    agreed(deck, |reader| {
+        reader.nodes.groups.into_iter().map(|(name, ranges)| (name, nodes(ranges))).collect::<HashMap<_, _>>()
+    })
+}
+
+/// The entries of all models, without those on which two models differ; empty if the deck cannot be read again.
+fn agreed<K: Eq + Hash, V: PartialEq>(deck: &Deck, entries: impl Fn(AnsysReader) -> HashMap<K, V>) -> HashMap<K, V> {
+    let read = |sources: &mut Sources| {
+        let text = sources.text(0);
+        let models = AnsysModels::new(sources.path(0), &text, |reader| reader.nodes.positions.keep());
+        models.map(|reader| reader.map(&entries)).collect::<Result<Vec<_>, _>>()
+    };
+    let mut all: HashMap<K, Option<V>> = HashMap::new();
+    for (key, value) in deck.again(read).unwrap_or_default().into_iter().flatten() {
+        match all.entry(key) {
+            Entry::Vacant(entry) => drop(entry.insert(Some(value))),
+            Entry::Occupied(mut entry) if entry.get().as_ref() != Some(&value) => drop(entry.insert(None)),
+            Entry::Occupied(_) => {}
+        }
+    }
+    all.into_iter().filter_map(|(key, value)| Some((key, value?))).collect()
 }
 
 /// Adds equations and load cases to the model of a reader. If the reader keeps the places of commands, returns the owner of each equation:

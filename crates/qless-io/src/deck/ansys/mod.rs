@@ -23,6 +23,7 @@
 //! | `commands` | the commands that constrain |
 //! | `reader` | reads a text line by line and executes each command |
 //! | `build` | the model of a deck |
+//! | `joined` | joins the models of a deck that has several |
 //! | `write` | a deck with changed equations |
 
 mod syntax {
@@ -50,12 +51,14 @@ mod commands {
     pub mod coupled;
     pub mod elements;
     pub mod equations;
+    pub mod generated;
     pub mod numbering;
     pub mod prescribed;
     pub mod region;
 }
 
 mod build;
+mod joined;
 mod reader;
 mod write;
 

@@ -8,12 +8,12 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::build::fill;
 use super::commands::equations::NodeRegion;
-use super::reader::{AnsysReader, CommandOwner, CommandPlace};
+use super::reader::{AnsysModels, AnsysReader, CommandOwner, CommandPlace};
 use super::syntax::command::{AnsysLine, parse};
 use super::syntax::label;
 use crate::deck::clean::{CleanError, Edits, Plan, Reason, Removed, Written};
 use crate::deck::plan::reason;
-use crate::deck::{Deck, Dof, Model};
+use crate::deck::{Deck, DeckError, Dof, Model};
 
 /// Returns the text of the deck's file with the changes of the plan.
 ///
@@ -21,7 +21,8 @@ use crate::deck::{Deck, Dof, Model};
 /// equation, its commands stay, and a command further below deletes the equation.
 pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
     let text = deck.texts[0].as_slice();
-    let mut reader = AnsysReader::with_places(&deck.model.files[0], text)?;
+    let with_places = |reader: &mut AnsysReader| reader.places = Some(Vec::new());
+    let (mut reader, cleared) = first_model(AnsysModels::new(&deck.model.files[0], text, with_places))?;
     let owners = fill(&mut reader)?;
     let places = reader.places.take().unwrap_or_default();
     let place = |line: u32, why: &'static str| CleanError::Place {
@@ -29,9 +30,15 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
         line: line as usize,
         why,
     };
+    if let Some(line) = cleared {
+        return Err(place(line, "a second model begins below this line; make a deck for each model"));
+    }
     let last = reader.made.line.max(1);
     if let Some(solved) = reader.solved_at.filter(|&solved| solved <= last) {
         return Err(place(solved, "equations change after this load step; make a deck for each load step"));
+    }
+    if reader.coupled.assumes_order() {
+        return Err(place(last, "CPSGEN numbers coupled sets in an order that is not documented; write them as CP"));
     }
     let highest = reader.equations.highest();
     let numbering = match (reader.made.unread, reader.archive) {
@@ -55,6 +62,23 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
             "commands refer to equations that change in a way that cannot be kept; write explicit equation numbers",
         )
     })
+}
+
+/// The first model that holds anything, or the last one if none does; and the line of the `/CLEAR` below which a second one begins.
+fn first_model<F: Fn(&mut AnsysReader)>(models: AnsysModels<F>) -> Result<(AnsysReader, Option<u32>), DeckError> {
+    let mut first = AnsysReader::default();
+    let mut cleared = None;
+    for reader in models {
+        let reader = reader?;
+        if !first.holds_nothing() && !reader.holds_nothing() {
+            return Ok((first, cleared));
+        }
+        cleared = reader.cleared.map(|next| next.line - 1);
+        if first.holds_nothing() {
+            first = reader;
+        }
+    }
+    Ok((first, None))
 }
 
 /// One comment for each removed equation, coupled set or region.
@@ -132,7 +156,7 @@ fn rest(text: &[u8], line: u32, removed: &[Range<usize>]) -> Vec<u8> {
 
 /// Whether the new text, read again, gives exactly the kept and the new equations, and the same values and loads.
 fn is_as_planned(text: &[u8], before: &AnsysReader, deck: &Deck, plan: &Plan) -> bool {
-    let Ok(mut after) = AnsysReader::read(&deck.model.files[0], text) else { return false };
+    let Ok((mut after, None)) = first_model(AnsysModels::new(&deck.model.files[0], text, |_| ())) else { return false };
     if fill(&mut after).is_err() {
         return false;
     }

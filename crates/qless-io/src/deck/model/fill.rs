@@ -44,6 +44,33 @@ impl Model {
         }
     }
 
+    /// Adds the equations, load cases and warnings of another model. In no load case do equations of both models hold.
+    pub(crate) fn append(&mut self, other: &Self) {
+        let (cards, own) = (self.cards.len() as u32, self.equations() as u32);
+        let moved = |origin: Origin| Origin { card: origin.card + cards, ..origin };
+        for card in (0..other.cards.len() as u32).map(|i| other.cards.nth(i)) {
+            self.card(card.name, card.file, card.line);
+        }
+        for equation in (0..other.equations()).map(|i| other.nth(i)) {
+            let dofs = equation.columns.iter().map(|&column| other.dofs[column as usize]);
+            let terms = dofs.zip(equation.coefficients.iter().copied());
+            self.push(terms, equation.rhs, moved(equation.origin));
+        }
+        let all = self.equations() as u32;
+        self.cases.iter_mut().for_each(|case| case.removed.extend(own..all));
+        let histories: Vec<u32> = other.histories().map(|name| name.map_or(0, |name| self.history(name))).collect();
+        for case in &other.cases {
+            let mut case = case.clone();
+            for given in case.prescribed.iter_mut().chain(&mut case.clashes) {
+                (given.origin, given.history) = (moved(given.origin), histories[given.history as usize]);
+            }
+            case.loads.iter_mut().for_each(|load| load.origin = moved(load.origin));
+            case.removed = (0..own).chain(case.removed.into_iter().map(|i| i + own)).collect();
+            self.cases.push(case);
+        }
+        self.warnings.extend_from_slice(&other.warnings);
+    }
+
     /// Exchanges term `at` of an equation with the first one, and so makes it the slave.
     pub(crate) fn lead(&mut self, equation: usize, at: usize) {
         let start = if equation == 0 { 0 } else { self.ends[equation - 1] as usize };

@@ -6,6 +6,7 @@
 //! ```
 
 use std::collections::BTreeSet;
+use std::ops::RangeInclusive;
 
 use rustc_hash::FxHashSet;
 
@@ -55,6 +56,8 @@ pub struct CoupledSets {
     pub now: StepIndex,
     /// Numbers of sets that are left out because one of their commands could not be read.
     unknown: BTreeSet<u32>,
+    /// Numbers of sets that `CPSGEN` has generated in an order that the manual does not tell, so that another set may have the number.
+    assumed: BTreeSet<u32>,
     /// Why the last command was left out; `None` if it was not.
     pub doubt: Option<String>,
     budget: SearchBudget,
@@ -89,6 +92,9 @@ impl CoupledSets {
             self.leave_out(command);
             return Ok(None);
         }
+        if self.assumed.contains(&number) {
+            self.doubt = Some(of_assumed("CP"));
+        }
         let mut budget = self.budget;
         let set = self.open(command, number, 2)?;
         match members.flatten() {
@@ -103,6 +109,10 @@ impl CoupledSets {
     pub fn delete(&mut self, command: &AnsysCommand, selection: &NodeSelection) -> Result<(), FieldFault> {
         if command.is(1, "ALL") && selection.nodes == SelectedNodes::All {
             self.unknown.clear();
+            self.assumed.clear();
+        }
+        if !self.assumed.is_empty() {
+            self.doubt = Some(of_assumed("CPDELE"));
         }
         let items = (&mut self.sets, &mut self.past);
         let uncertain = delete(command, selection, items, self.now, &mut self.budget, |set| set.nodes.clone())?;
@@ -113,8 +123,29 @@ impl CoupledSets {
         Ok(())
     }
 
+    /// Whether a set is left out because one of its commands could not be read.
+    pub fn is_left_out(&self, number: u32) -> bool {
+        self.unknown.contains(&number)
+    }
+
+    /// Whether any set of these numbers is left out.
+    pub fn leaves_out_any(&self, numbers: RangeInclusive<u32>) -> bool {
+        self.unknown.range(numbers).next().is_some()
+    }
+
+    /// Whether the order of any sets, and so their numbers, is not known.
+    pub fn assumes_order(&self) -> bool {
+        !self.assumed.is_empty()
+    }
+
+    /// Records that the order of the next `count` sets is not known.
+    pub fn assume_order(&mut self, count: u32) {
+        let first = self.highest().saturating_add(1);
+        self.assumed.extend(first..first.saturating_add(count));
+    }
+
     /// The highest number of a set so far, also of a set that is left out; 0 if there is none.
-    fn highest(&self) -> u32 {
+    pub fn highest(&self) -> u32 {
         self.sets.highest().max(self.unknown.last().copied()).unwrap_or(0)
     }
 
@@ -170,7 +201,7 @@ impl CoupledSets {
 
     /// Returns the set of this number, and creates it if necessary. Field `at` holds the label of its component, such as `UX`. The field
     /// may be blank for an existing set.
-    fn open(&mut self, command: &AnsysCommand, number: u32, at: usize) -> Result<&mut CoupledSet, FieldFault> {
+    pub fn open(&mut self, command: &AnsysCommand, number: u32, at: usize) -> Result<&mut CoupledSet, FieldFault> {
         let known = self.sets.get_mut(number).is_some();
         let component = if known && command.field(at).is_empty() { None } else { Some(component(command, at)?) };
         self.keep(number)?;
@@ -205,12 +236,47 @@ impl CoupledSet {
         Ok(())
     }
 
-    fn include(&mut self, node: u32) {
+    /// Number of nodes.
+    pub fn size(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// The set with the numbers of all nodes higher by `increment`; `None` if one is no number of a node.
+    pub fn copied(&self, increment: i64, line: u32, from: StepIndex) -> Option<Self> {
+        let mut copy = Self { component: self.component, line, last_line: line, from, ..Self::default() };
+        for &node in &self.nodes {
+            let moved = i64::from(node).saturating_add(increment);
+            copy.include(u32::try_from(moved).ok().filter(|&node| node > 0)?);
+        }
+        Some(copy)
+    }
+
+    #[must_use]
+    pub fn with_component(self, component: u8) -> Self {
+        Self { component, ..self }
+    }
+
+    /// Takes a node out of the set. Call `drop_excluded` after the last one.
+    pub fn exclude(&mut self, node: u32) {
+        self.known.remove(&node);
+    }
+
+    pub fn drop_excluded(&mut self) {
+        self.nodes.retain(|node| self.known.contains(node));
+    }
+
+    pub fn include(&mut self, node: u32) {
         self.count += 1;
         if self.known.insert(node) {
             self.nodes.push(node);
         }
     }
+}
+
+fn of_assumed(command: &str) -> String {
+    format!(
+        "{command} names coupled sets by numbers that CPSGEN gives, and this reader does not know in which order: left out"
+    )
 }
 
 /// The word that field `at` holds in place of a node: `ALL`, `P` or the name of a component.

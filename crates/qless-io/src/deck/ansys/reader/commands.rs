@@ -37,10 +37,31 @@ impl AnsysReader {
         if self.ended || self.controls(&command, next)? {
             return Ok(());
         }
+        if command.key == *b"/CLE" {
+            match next.filter(|_| !self.control.is_within()) {
+                Some(next) => self.cleared = Some(next),
+                None if self.is_empty() && self.parameters.is_empty() => {}
+                None => self.lose(&command),
+            }
+            return Ok(());
+        }
+        self.is_written |= matches!(&command.key, b"SAVE" | b"CDWR");
+        if uses_files(command.key) {
+            self.file(&command, next);
+            return Ok(());
+        }
+        if matches!(&command.key, b"FINI" | b"/PRE" | b"/SOL" | b"/POS") {
+            let is_certain = self.control.state() == Execution::Executed;
+            self.in_post1 = is_certain && command.name.eq_ignore_ascii_case(b"/POST1");
+        }
         let (line, title) = (command.line, command.title());
         let constrains = self.constrains(command.key);
-        if constrains || matches!(&command.key, b"SOLV" | b"LSWR" | b"LSSO") {
+        let runs_others = self.effect(command.key) == CommandEffect::RunsOthers;
+        if constrains || runs_others || matches!(&command.key, b"SOLV" | b"LSWR") {
             self.use_replaced();
+        }
+        if self.is_lost {
+            return Ok(());
         }
         if constrains && self.control.state() == Execution::Unknown {
             let text =
@@ -57,7 +78,19 @@ impl AnsysReader {
         if let Some(tag) = command.archive_tag() {
             self.archive = Some(if tag.eq_ignore_ascii_case(b"UNBL") { "UNBL" } else { "R5.0" });
         }
-        self.run(&command).map_err(|fault| self.error(line, &title, fault))?;
+        match self.run(&command) {
+            // A load and a node constrain nothing, whatever they are.
+            Err(_) if self.nodes.are_in_files && matches!(&command.key, b"F   " | b"FDEL" | b"N   ") => {
+                self.nodes.are_generated = true;
+            }
+            Err(_) if constrains && self.nodes.are_in_files => {
+                let text = format!(
+                    "{title} uses a name that may be defined in a file, which this reader does not know: left out"
+                );
+                self.leave_out_command(&command, text);
+            }
+            result => result.map_err(|fault| self.error(line, &title, fault))?,
+        }
         self.constrained = constrains;
         Ok(())
     }
@@ -92,6 +125,13 @@ impl AnsysReader {
         match &command.key {
             b"N   " => self.nodes.are_generated = true,
             b"NSEL" => self.selection.nodes = SelectedNodes::Unknown,
+            b"ET  " | b"KEYO" => {
+                let text = format!(
+                    "{} uses {what}, whose value this reader does not know: equations of elements are left out",
+                    command.title()
+                );
+                self.leave_out(command.line, text);
+            }
             _ if self.constrains(command.key) => {
                 let text = format!("{} uses {what}, whose value this reader does not know: left out", command.title());
                 self.leave_out_command(command, text);
@@ -105,12 +145,12 @@ impl AnsysReader {
         let prescribes =
             matches!(&command.key, b"D   " | b"DDEL") || self.effect(command.key) == CommandEffect::Prescribes;
         if prescribes {
-            self.leave_out_value(command.line, text);
+            self.doubt(command.line, text);
             return;
         }
         match &command.key {
             b"CE  " | b"CECM" => self.equations.leave_out(command),
-            b"CP  " => self.coupled.leave_out(command),
+            b"CP  " | b"CPNG" => self.coupled.leave_out(command),
             _ => self.made.unread = true,
         }
         self.note(command.line);
@@ -119,11 +159,13 @@ impl AnsysReader {
 
     fn run(&mut self, command: &AnsysCommand) -> Result<(), FieldFault> {
         match &command.key {
-            b"CE  " | b"CECM" | b"CEDE" | b"CP  " | b"CPDE" => self.equation(command)?,
+            b"CE  " | b"CECM" | b"CEDE" | b"CP  " | b"CPDE" | b"CPNG" | b"CPLG" | b"CPSG" => {
+                self.equation(command)?;
+            }
             b"CERI" | b"RBE3" => self.region(command)?,
             b"D   " | b"DDEL" => match dof_command(command, &self.nodes, &self.selection) {
                 Ok(read) => self.dof_command(command, read),
-                Err(Rejection::LeftOut(why)) => self.leave_out_value(command.line, format!("{why}: left out")),
+                Err(Rejection::LeftOut(why)) => self.doubt(command.line, format!("{why}: left out")),
                 Err(Rejection::Fault(fault)) => return Err(fault),
             },
             b"F   " | b"FDEL" => match load(command, &self.nodes, &self.selection) {
@@ -137,7 +179,7 @@ impl AnsysReader {
                     "{} is in *IF, *DO or *CREATE, and it is not known whether it is executed",
                     command.title()
                 );
-                self.leave_out(command.line, text);
+                self.doubt(command.line, text);
             }
             b"SOLV" | b"LSWR" => self.solve(command),
             b"NBLO" => {
@@ -158,6 +200,9 @@ impl AnsysReader {
     }
 
     fn solve(&mut self, command: &AnsysCommand) {
+        if self.repeats_saved_text {
+            return;
+        }
         self.solved_at = self.solved_at.or(Some(command.line));
         self.equations.now += 1;
         self.coupled.now += 1;
@@ -168,11 +213,18 @@ impl AnsysReader {
 /// Whether parameters in the fields of a command are replaced by their values before the command is executed. Those of `RBE3` are not: it
 /// resolves its own fields, which may name arrays.
 fn is_read(key: CommandKey) -> bool {
-    const READ: [&CommandKey; 14] = [
-        b"CE  ", b"CECM", b"CEDE", b"CP  ", b"CPDE", b"CERI", b"D   ", b"DDEL", b"F   ", b"FDEL", b"N   ", b"NSEL",
-        b"ET  ", b"KEYO",
+    const READ: [&CommandKey; 17] = [
+        b"CE  ", b"CECM", b"CEDE", b"CP  ", b"CPDE", b"CPNG", b"CPLG", b"CPSG", b"CERI", b"D   ", b"DDEL", b"F   ",
+        b"FDEL", b"N   ", b"NSEL", b"ET  ", b"KEYO",
     ];
     READ.contains(&&key)
+}
+
+/// Whether a command writes or reads files of the deck, or changes which files there are.
+fn uses_files(key: CommandKey) -> bool {
+    const FILES: [&CommandKey; 11] =
+        [b"/FIL", b"SAVE", b"RESU", b"PARS", b"PARR", b"/COP", b"/REN", b"/DEL", b"/ASS", b"/SYS", b"/CWD"];
+    FILES.contains(&&key)
 }
 
 /// Whether a command sets parameters.
@@ -199,6 +251,8 @@ impl AnsysReader {
                 .coupled
                 .read(command, &self.nodes, &self.selection)?
                 .map_or(CommandOwner::Other, CommandOwner::Coupled),
+            b"CPNG" => self.coupled.add_range(command)?.map_or(CommandOwner::Other, CommandOwner::Coupled),
+            b"CPLG" | b"CPSG" => self.coupled.copy(command).map(|()| CommandOwner::Other)?,
             b"CEDE" => self.equations.delete(command, &self.selection).map(|()| CommandOwner::Other)?,
             _ => self.coupled.delete(command, &self.selection).map(|()| CommandOwner::Other)?,
         };
@@ -206,6 +260,7 @@ impl AnsysReader {
         let remark = self.equations.remark.take();
         remark.into_iter().for_each(|text| self.warn(command.line, text));
         let doubt = self.equations.doubt.take().or(self.coupled.doubt.take());
+        self.made.unread |= doubt.is_some() && matches!(&command.key, b"CPLG" | b"CPSG");
         doubt.into_iter().for_each(|text| self.leave_out(command.line, text));
         Ok(())
     }

@@ -1,10 +1,12 @@
 //! Reads the text of a deck: collects equations, coupled sets, nodes, and values in the order of the deck.
 
 mod commands;
+mod files;
+mod models;
 mod unread;
 
 use std::ops::Range;
-use std::path::Path;
+use std::sync::Arc;
 
 use super::commands::coupled::CoupledSets;
 use super::commands::elements::ElementTypes;
@@ -19,6 +21,8 @@ use super::syntax::field::FieldFault;
 use super::syntax::parameters::ApdlParameters;
 use crate::bytes::LINE;
 use crate::deck::{DeckError, Dof, Model, Problem};
+use files::{Resumed, TextPart, WrittenFiles};
+pub use models::AnsysModels;
 use unread::UnreadCommands;
 
 /// The place of a command that belongs to an equation or a coupled set. `write` edits the text at these places.
@@ -57,6 +61,7 @@ pub struct EquationsMade {
 
 /// The state of the reader after the commands that it has read so far.
 #[derive(Debug, Default)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a property that stands alone")]
 pub struct AnsysReader {
     pub model: Model,
     pub equations: CeEquations,
@@ -80,49 +85,52 @@ pub struct AnsysReader {
     pub last_name: Vec<u8>,
     /// Whether `/EOF` or `/EXIT` has ended the deck.
     pub ended: bool,
+    /// Whether the commands are those of POST1, which constrain nothing.
+    pub in_post1: bool,
     /// Line of the first `SOLVE`.
     pub solved_at: Option<u32>,
+    /// Whether an earlier model of the deck is solved.
+    pub follows_solution: bool,
+    /// Where the next model begins, if `/CLEAR` or `RESUME` has ended this one.
+    pub cleared: Option<TextPosition>,
+    /// What the next model begins with, if `RESUME` has ended this one.
+    resumes: Option<Resumed>,
+    /// Whether a command may have deleted the model where this reader cannot follow it. What comes after it is left out.
+    is_lost: bool,
+    /// Whether the model is written to a file, so that others may solve it.
+    is_written: bool,
+    /// Where this model begins; `parts` of the text come before it if `RESUME` begins the model.
+    begins: TextPosition,
+    parts: Arc<[TextPart]>,
+    /// Whether the reader repeats the text of `parts`.
+    repeats_saved_text: bool,
+    /// Number of `events` of `parts`.
+    saved_events: usize,
+    /// Whether the deck has read parameters from a file since the model began.
+    has_read_parameters: bool,
+    files: WrittenFiles,
     /// The archive tag, such as `R5.0`, if the deck has the format of an archive.
     pub archive: Option<&'static str>,
     pub unread: UnreadCommands,
 }
 
 impl AnsysReader {
-    /// Reads the text of a deck.
-    pub fn read(path: &Path, text: &[u8]) -> Result<Self, DeckError> {
-        Self::with(path, text, |_| ())
-    }
-
-    /// Like `read`, but also keeps the places of the commands that make equations and coupled sets.
-    pub fn with_places(path: &Path, text: &[u8]) -> Result<Self, DeckError> {
-        Self::with(path, text, |reader| reader.places = Some(Vec::new()))
-    }
-
-    /// Like `read`, but also keeps the positions of nodes.
-    pub fn with_positions(path: &Path, text: &[u8]) -> Result<Self, DeckError> {
-        Self::with(path, text, |reader| reader.nodes.positions.keep())
-    }
-
-    /// Reads the text without the positions of nodes, which cost memory. If a command needs them, reads the text again and keeps them.
-    fn with(path: &Path, text: &[u8], set: impl Fn(&mut Self)) -> Result<Self, DeckError> {
-        let new = || {
-            let mut reader = Self { model: Model::new(vec![path.to_path_buf()]), ..Self::default() };
-            set(&mut reader);
-            reader
-        };
-        let reader = new().lines(text)?;
-        if !reader.needs_positions {
-            return Ok(reader);
+    /// Reads one model of a deck.
+    fn model(mut self, text: &[u8]) -> Result<Self, DeckError> {
+        self.repeats_saved_text = true;
+        for (from, until) in self.parts.clone().iter() {
+            self.lines(&text[..*until], *from)?;
         }
-        let mut again = new();
-        again.nodes.positions.keep();
-        again.lines(text)
+        self.repeats_saved_text = false;
+        self.saved_events = self.events.len();
+        self.lines(text, self.begins)?;
+        self.end();
+        Ok(self)
     }
 
-    fn lines(mut self, text: &[u8]) -> Result<Self, DeckError> {
-        let mut start = if text.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
-        let mut line = 0;
-        while start < text.len() && !self.ended && !self.needs_positions {
+    fn lines(&mut self, text: &[u8], from: TextPosition) -> Result<(), DeckError> {
+        let (mut start, mut line) = (from.start, from.line - 1);
+        while start < text.len() && !self.ended && !self.needs_positions && self.cleared.is_none() {
             line += 1;
             if let Some(length) = self.quick(&text[start..], line) {
                 start += length;
@@ -135,12 +143,17 @@ impl AnsysReader {
                 (start, line) = (here.start, here.line - 1);
             }
         }
+        Ok(())
+    }
+
+    /// Says what is left out for reasons that only the end of the model shows.
+    fn end(&mut self) {
         if let Some(line) = self.control.never_closed().filter(|_| !self.ended) {
             let text = "*DO, *IF or *CREATE is never closed: constraints that it may still make are left out";
             self.leave_out(line, text.to_owned());
         }
         self.end_replaced();
-        self.say_values_left_out();
+        self.say_doubts();
         if self.unread.omitted > 0 {
             let text = format!("and {} more warnings", self.unread.omitted);
             if self.unread.leaves_out {
@@ -149,18 +162,18 @@ impl AnsysReader {
                 self.model.warn(0, 0, text);
             }
         }
-        Ok(self)
     }
 
     /// Reads a line of an archive by the fast path and returns its length; `None` if the line needs the general path.
     fn quick(&mut self, text: &[u8], line: u32) -> Option<usize> {
-        if self.control.is_within() || self.places.is_some() || self.solved_at.is_some() {
+        if self.control.is_within() || self.places.is_some() || self.solved_at.is_some() || self.is_lost {
             return None;
         }
         let ArchiveLine { tag, length, statement } = archive::read(text)?;
         if !self.equations.quick(&statement, line) {
             return None;
         }
+        self.note(line);
         self.nodes.end();
         self.elements.in_block = false;
         (self.archive, self.constrained) = (Some(tag), true);
@@ -198,7 +211,7 @@ impl AnsysReader {
         }
     }
 
-    fn error(&self, line: u32, card: &str, (field, problem): FieldFault) -> DeckError {
+    pub fn error(&self, line: u32, card: &str, (field, problem): FieldFault) -> DeckError {
         DeckError { path: self.model.files[0].clone(), line: line as usize, card: card.to_owned(), field, problem }
     }
 }

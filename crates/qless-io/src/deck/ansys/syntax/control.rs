@@ -8,7 +8,7 @@ use crate::deck::Problem;
 use crate::deck::limits::{ITERATION, REREAD};
 
 /// A position in the text: a byte, and its line from 1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TextPosition {
     pub start: usize,
     pub line: u32,
@@ -19,6 +19,8 @@ pub struct TextPosition {
 enum FlowBlock {
     /// A loop that is executed.
     Loop(DoLoop),
+    /// A loop of which it is not known whether it goes on. Its body is read once more, as commands that may be executed or not.
+    Doubted(DoLoop),
     /// The branch of `*IF` that is executed.
     Taken,
     /// A branch of `*IF` that is skipped; a later branch may be executed.
@@ -55,7 +57,7 @@ pub struct FlowControl {
     /// Line of the outermost open block.
     opened: u32,
     /// Number of bytes that loops have read again.
-    again: usize,
+    pub again: usize,
     /// Where to continue reading; `None` for the next line.
     pub jump: Option<TextPosition>,
 }
@@ -69,7 +71,7 @@ impl FlowControl {
         };
         if self.blocks.iter().any(skips) {
             Execution::Skipped
-        } else if self.blocks.iter().any(|block| matches!(block, FlowBlock::Unknown)) {
+        } else if self.blocks.iter().any(|block| matches!(block, FlowBlock::Unknown | FlowBlock::Doubted(_))) {
             Execution::Unknown
         } else {
             Execution::Executed
@@ -90,7 +92,7 @@ impl FlowControl {
 
     /// Whether a loop is open, so that a command may be executed more than once.
     pub fn repeats(&self) -> bool {
-        self.blocks.iter().any(|block| matches!(block, FlowBlock::Loop(_)))
+        self.blocks.iter().any(|block| matches!(block, FlowBlock::Loop(_) | FlowBlock::Doubted(_)))
     }
 
     /// Executes a command that opens, divides or closes a block; returns false for any other. `next` is the start of the next
@@ -147,11 +149,17 @@ impl FlowControl {
     }
 
     fn close_loop(&mut self, command: &AnsysCommand, parameters: &mut ApdlParameters) -> Result<(), Problem> {
-        let Some(FlowBlock::Loop(mut repeated)) = self.blocks.pop() else { return Ok(()) };
+        let (mut repeated, is_doubted) = match self.blocks.pop() {
+            Some(FlowBlock::Loop(repeated)) => (repeated, false),
+            Some(FlowBlock::Doubted(repeated)) => (repeated, true),
+            _ => return Ok(()),
+        };
         repeated.value += repeated.step;
         repeated.cycles = false;
         parameters.define(&repeated.name, repeated.value);
-        if !repeated.continues() {
+        if is_doubted {
+            parameters.forget(&repeated.name);
+        } else if !repeated.continues() {
             return Ok(());
         }
         let body = command.range.end.saturating_sub(repeated.body.start);
@@ -161,7 +169,7 @@ impl FlowControl {
             return Err(Problem::Limit { what: "the text that loops read again", limit: REREAD, advice });
         }
         self.jump = Some(repeated.body);
-        self.blocks.push(FlowBlock::Loop(repeated));
+        self.blocks.push(if is_doubted { FlowBlock::Unknown } else { FlowBlock::Loop(repeated) });
         Ok(())
     }
 
@@ -201,7 +209,7 @@ impl FlowControl {
                     None => FlowBlock::Unknown,
                 }
             }
-            FlowBlock::Loop(_) | FlowBlock::Skipped | FlowBlock::Unknown => {}
+            FlowBlock::Loop(_) | FlowBlock::Doubted(_) | FlowBlock::Skipped | FlowBlock::Unknown => {}
         }
     }
 
@@ -216,8 +224,15 @@ impl FlowControl {
                 Some(block) => *block = FlowBlock::Skipped,
                 None => {}
             },
-            _ => {
-                self.blocks.iter_mut().filter(|block| is_loop(block)).for_each(|block| *block = FlowBlock::Unknown);
+            _ => self.doubt_loops(),
+        }
+    }
+
+    /// Records that the open loops may end here, or not.
+    pub fn doubt_loops(&mut self) {
+        for block in &mut self.blocks {
+            if let FlowBlock::Loop(repeated) = block {
+                *block = FlowBlock::Doubted(repeated.clone());
             }
         }
     }

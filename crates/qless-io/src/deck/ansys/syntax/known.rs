@@ -13,7 +13,7 @@ pub enum CommandEffect {
     MakesNodes,
     /// The command makes ANSYS execute other commands.
     RunsOthers,
-    /// The command replaces the model, or parameters, by what a file has, or by nothing.
+    /// The command replaces the model by what a file has, or by nothing.
     Replaces,
     /// The command has no effect on constraints.
     Nothing,
@@ -21,7 +21,7 @@ pub enum CommandEffect {
 }
 
 /// Commands that make or change constraints: interfaces, copies of equations, merged nodes and the like.
-const CONSTRAIN: &str = "CEIN CECY CESG CPIN CPLG CPSG CPNG CPCY CPME DJ DSCA DFLX DVAL \
+const CONSTRAIN: &str = "CEIN CECY CESG CPIN CPCY CPME DJ DSCA DFLX DVAL \
     CBDO CYCL CYCO PSME SLOA NUMM DCVS DSUR EMBE MCFO ELBO";
 
 /// Commands that prescribe or release values.
@@ -34,8 +34,8 @@ const NODES: &str = "NGEN FILL NSYM NREA NDIS KMES LMES AMES VMES FVME IMES VSWE
 /// Commands that execute other commands.
 const OTHERS: &str = "/INP *USE INRE LSRE LSSO IGES *REP *GO ~CAT EXUN";
 
-/// Commands that replace the model or parameters.
-const REPLACE: &str = "CDRE RESU PARR LDRE /CLE FLRE";
+/// Commands that replace the model.
+const REPLACE: &str = "CDRE LDRE FLRE";
 
 /// Commands of archives and plain decks without effect on constraints: elements, materials, sections, loads, output, the solid model.
 const NOTHING: &str = "ET EN E EBLO TYPE MAT REAL SECN SECT SECD SECO SECB SECC SECF SECP ESYS KEYO KEYW R RMOR RLBL RDEL \

@@ -9,6 +9,9 @@ use super::array::ApdlArray;
 use super::command::AnsysCommand;
 use crate::deck::expression::{NameLookup, NoValue, Operand, function, is_first, is_later, value};
 
+/// Limit on the array elements that `PARSAV` saves. Parameters with more count as unknown when they are read again.
+const SAVED: usize = 10_000;
+
 /// The value of a parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ParameterValue {
@@ -79,6 +82,41 @@ impl ApdlParameters {
     /// Makes a parameter unknown.
     pub fn forget(&mut self, name: &str) {
         self.put(name.to_owned(), Some(ParameterValue::Unknown));
+    }
+
+    /// Makes all parameters unknown.
+    pub fn forget_all(&mut self) {
+        self.values.values_mut().for_each(|value| *value = ParameterValue::Unknown);
+        self.elements = 0;
+    }
+
+    /// What `PARSAV` writes: the scalars, or `all` parameters. `None` if this would take too much memory.
+    pub fn saved(&self, all: bool) -> Option<Self> {
+        let is_array = |value: &ParameterValue| matches!(value, ParameterValue::Array(_) | ParameterValue::Table);
+        let values = self.values.iter().filter(|(_, value)| all || !is_array(value));
+        let elements = if all { self.elements } else { 0 };
+        let saved =
+            || Self { values: values.map(|(name, value)| (name.clone(), value.clone())).collect(), elements, ..*self };
+        (elements <= SAVED).then(saved)
+    }
+
+    /// Executes `PARRES`: the saved parameters replace all, or with `change` only those of their names.
+    pub fn read_saved(&mut self, saved: &Self, change: bool) {
+        if !change {
+            *self = Self { degrees: self.degrees, ..saved.clone() };
+            return;
+        }
+        saved.values.iter().for_each(|(name, value)| self.put(name.clone(), Some(value.clone())));
+    }
+
+    /// Whether there are no parameters.
+    pub fn is_empty(&self) -> bool {
+        self.values.is_empty()
+    }
+
+    /// Whether a parameter has this name.
+    pub fn is_name(&self, text: &[u8]) -> bool {
+        self.values.contains_key(&String::from_utf8_lossy(text).to_ascii_uppercase())
     }
 
     /// The value of a number or expression.
