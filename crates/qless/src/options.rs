@@ -160,7 +160,8 @@ pub struct Options {
     /// How [`Effort::Proved`] and [`Effort::Exact`] read a double. Default: `Typed`.
     pub numbers: Reading,
     /// Bound of growth: slaves and masters are exchanged until `max |T_ij|` is at most this, to 1e-9. At least 1; default 4. Bounds near
-    /// 1 need more exchanges.
+    /// 1 need more exchanges. If coefficients of very different units mix, slaves within the bound can be as good as dependent; then the
+    /// bound holds in units in which the coefficients are similar, and T is larger in yours.
     pub growth: f64,
     /// Bytes that the factorization of one block, and exact arithmetic, may allocate. If more are needed, the analysis is refused: by
     /// `faer`, `sparse` and `spqr` before the work, by `gauss` as soon as fill exceeds the limit. Default: 16 GiB.

@@ -14,6 +14,7 @@ use crate::factor::backend::BackendError;
 use crate::input::components::Labels;
 use crate::input::numbering::LocalSystem;
 use crate::input::preferences::{Preferences, SlavePreference, SlavePreferences};
+use crate::input::scale::Scaling;
 use crate::presolve::basis::{Basis, Solved};
 use crate::{Analysis, ArgumentError, ConstraintSystem, Kind};
 
@@ -235,19 +236,37 @@ impl Analysis {
     }
 }
 
-/// Builds T, G and g, exchanges slaves and masters to meet the preferences and the bound of `max |T_ij|`, and checks the residuals.
+/// Builds T, G and g, exchanges slaves and masters to meet the preferences and the bound of `max |T_ij|`, and checks the residuals. In the
+/// units of a user who mixes them, slaves with a small T can be as good as dependent; then T is bounded in scaled units.
 fn build(
     system: &ConstraintSystem,
     local: LocalSystem,
     input: &ReductionInput,
     factored: Vec<FactoredBlock>,
 ) -> Result<Reduction, ReductionError> {
+    let again = (!input.scaling.col.is_empty()).then(|| factored.clone());
+    match (build_in(None, system, local, input, factored), again) {
+        (Err(ReductionError::Residual { .. }), Some(factored)) => {
+            build_in(Some(input.scaling), system, local, input, factored)
+        }
+        (built, _) => built,
+    }
+}
+
+fn build_in(
+    units: Option<&Scaling>,
+    system: &ConstraintSystem,
+    local: LocalSystem,
+    input: &ReductionInput,
+    factored: Vec<FactoredBlock>,
+) -> Result<Reduction, ReductionError> {
     let limit = input.growth.max(exchange_goals::LEAST);
-    let mut relation = relation::assemble(local, input, limit);
+    let mut relation = relation::assemble(local, input, limit, units);
     let exchanged = meet_preferences(&mut relation, &input.preferences, limit);
     let exchanges = bound_growth(&mut relation, limit, &input.preferences, exchanged);
     let reduction = output::write(system, &relation);
-    let growth = factored.iter().map(|block| block.growth).fold(relation.growth, f64::max);
+    let own = if units.is_some() { output::largest_entry(&reduction.t) } else { relation.growth };
+    let growth = factored.iter().map(|block| block.growth).fold(own, f64::max);
     let mut reduction = Reduction { growth, exchanges, factored, ..reduction };
     retry::checked(&mut reduction, local, CheckedTerms::All, &input.rules()).map(|()| reduction)
 }

@@ -24,8 +24,14 @@ impl<'a, 'b> Exchange<'a, 'b> {
         self.relation.system.free()[dof as usize]
     }
 
+    /// Rows that contain a master, ascending, with the [`Relation::size`] of its coefficient.
+    pub fn sizes(&self, master: u32) -> Vec<(u32, f64)> {
+        let size = |(i, v)| (i, self.relation.size(i as usize, master, v));
+        self.holding(master).into_iter().map(size).collect()
+    }
+
     /// Rows that contain a master, ascending, with its coefficient.
-    pub fn holding(&self, master: u32) -> Vec<(u32, f64)> {
+    fn holding(&self, master: u32) -> Vec<(u32, f64)> {
         let mut rows = self.holders.get(&master).cloned().unwrap_or_default();
         rows.sort_unstable();
         rows.dedup();

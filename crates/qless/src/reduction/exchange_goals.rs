@@ -65,20 +65,21 @@ fn may_replace(preferences: &SlavePreferences, master: u32, slave: u32) -> bool 
 /// the largest one are considered. The shortest of these rows causes the least fill. The coefficient must exceed 1: otherwise two DOFs
 /// could be exchanged forever.
 fn pivot_row(exchange: &Exchange, master: u32, preferences: &SlavePreferences) -> Option<u32> {
-    let mut rows = exchange.holding(master);
+    let mut rows = exchange.sizes(master);
     rows.retain(|&(k, _)| may_replace(preferences, master, exchange.relation.slave[k as usize]));
-    let steepest = rows.iter().fold(0.0, |a: f64, (_, v)| a.max(v.abs()));
+    let steepest = rows.iter().fold(0.0, |a: f64, &(_, size)| a.max(size));
     let least = (NEARLY * steepest).max(LEAST);
-    let fit = rows.iter().filter(|(_, v)| v.abs() >= least).map(|&(k, _)| k);
+    let fit = rows.iter().filter(|&&(_, size)| size >= least).map(|&(k, _)| k);
     fit.min_by_key(|&k| exchange.relation.row(k as usize).len())
 }
 
 /// The master with the largest coefficient above the bound in row i, among those that may become slaves.
 fn excess(exchange: &Exchange, i: u32, limit: f64, preferences: &SlavePreferences) -> Option<u32> {
     let own = exchange.relation.slave[i as usize];
-    let large = exchange.relation.row(i as usize).entries().filter(|(_, v)| v.abs() > limit);
+    let sizes = exchange.relation.row(i as usize).entries().map(|(j, v)| (j, exchange.relation.size(i as usize, j, v)));
+    let large = sizes.filter(|&(_, size)| size > limit);
     let fit = large.filter(|&(j, _)| exchange.is_free(j) && may_replace(preferences, j, own));
-    fit.max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs())).map(|(j, _)| j)
+    fit.max_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(j, _)| j)
 }
 
 /// A master whose coefficient is below this fraction of the largest one in the row is not made the slave of the row.
@@ -106,13 +107,11 @@ pub(super) fn meet_preferences(relation: &mut Relation, preferences: &SlavePrefe
 /// Makes a slave a master, in exchange for the most preferred master of its row; false if no master of the row may become a slave.
 fn release(exchange: &mut Exchange, slave: u32, preferences: &SlavePreferences) -> bool {
     let row = exchange.relation.row_of[slave as usize];
-    let entries = exchange.relation.sorted(row as usize);
-    let free = || entries.iter().filter(|&&(j, _)| exchange.is_free(j));
-    let least = SMALL * free().fold(0.0, |a: f64, e| a.max(e.1.abs()));
-    let fit = free().filter(|&&(j, v)| preferences.of(j) > SlavePreference::Master && v.abs() > least);
-    let best = fit.max_by(|a, b| {
-        (preferences.of(a.0), a.1.abs()).partial_cmp(&(preferences.of(b.0), b.1.abs())).expect("finite")
-    });
+    let entries = exchange.relation.sorted(row as usize).into_iter().filter(|&(j, _)| exchange.is_free(j));
+    let sizes: Vec<_> = entries.map(|(j, v)| (j, exchange.relation.size(row as usize, j, v))).collect();
+    let least = SMALL * sizes.iter().fold(0.0, |a: f64, e| a.max(e.1));
+    let fit = sizes.iter().filter(|&&(j, size)| preferences.of(j) > SlavePreference::Master && size > least);
+    let best = fit.max_by(|a, b| (preferences.of(a.0), a.1).partial_cmp(&(preferences.of(b.0), b.1)).expect("finite"));
     best.map(|&(j, _)| j).is_some_and(|master| {
         exchange.swap(row, master);
         true
@@ -121,11 +120,11 @@ fn release(exchange: &mut Exchange, slave: u32, preferences: &SlavePreferences) 
 
 /// Makes a master a slave, in the row with its largest coefficient; false if that would add too much growth.
 fn engage(exchange: &mut Exchange, master: u32, preferences: &SlavePreferences, limit: f64) -> bool {
-    let rows = exchange.holding(master).into_iter();
-    let fit = rows.filter(|&(i, v)| {
-        preferences.of(exchange.relation.slave[i as usize]) < SlavePreference::Slave && v.abs() * limit >= 1.0
+    let rows = exchange.sizes(master).into_iter();
+    let fit = rows.filter(|&(i, size)| {
+        preferences.of(exchange.relation.slave[i as usize]) < SlavePreference::Slave && size * limit >= 1.0
     });
-    fit.reduce(|a, b| if b.1.abs() > a.1.abs() { b } else { a }).is_some_and(|(row, _)| {
+    fit.reduce(|a, b| if b.1 > a.1 { b } else { a }).is_some_and(|(row, _)| {
         exchange.swap(row, master);
         true
     })

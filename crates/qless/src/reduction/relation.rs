@@ -5,7 +5,7 @@
 use super::retry::CheckRules;
 use crate::input::numbering::LocalSystem;
 use crate::input::preferences::SlavePreferences;
-use crate::input::scale::Scaling;
+use crate::input::scale::{Scaling, ldexp};
 use crate::presolve::basis::{Basis, BasisRow};
 
 /// A sum below this, relative to its largest term, is rounding.
@@ -50,7 +50,9 @@ pub(crate) struct Relation<'a> {
     dofs: Vec<u32>,
     values: Vec<f64>,
     pub constant: Vec<f64>,
-    /// The growth `max |T_ij|`.
+    /// The units in which growth is measured: these, or those of the user.
+    units: Option<&'a Scaling>,
+    /// The growth `max |T_ij|` in these units.
     pub growth: f64,
     /// The rows of T with a coefficient above the bound of growth.
     pub steep: Vec<u32>,
@@ -131,11 +133,22 @@ impl Relation<'_> {
         dofs.binary_search(&dof).ok().map(|at| values[at])
     }
 
-    /// Largest coefficient of a master in row i.
+    /// The magnitude of the coefficient v of a DOF in row i, in the units in which growth is measured.
+    #[inline]
+    pub fn size(&self, i: usize, dof: u32, v: f64) -> f64 {
+        let exponent = |units: &Scaling| units.col(dof as usize) - units.col(self.slave[i] as usize);
+        self.units.map_or(v.abs(), |units| ldexp(v.abs(), exponent(units)))
+    }
+
+    /// Largest coefficient of a master in row i: its [`Relation::size`].
     #[inline]
     pub fn largest(&self, i: usize) -> f64 {
         let free = self.system.free();
-        self.row(i).entries().fold(0.0, |most, (j, v)| if v.abs() > most && free[j as usize] { v.abs() } else { most })
+        let larger = |most: f64, (j, v): (u32, f64)| {
+            let size = self.size(i, j, v);
+            if size > most && free[j as usize] { size } else { most }
+        };
+        self.row(i).entries().fold(0.0, larger)
     }
 
     pub fn change(&mut self, i: usize, row: &[(u32, f64)]) {
@@ -177,8 +190,13 @@ impl RowSum {
 }
 
 /// Builds the relation. Rows of fixed slaves keep prescribed DOFs only. Lists the rows with coefficients above `limit` in
-/// [`Relation::steep`].
-pub(super) fn assemble<'a>(system: LocalSystem<'a>, input: &ReductionInput<'a>, limit: f64) -> Relation<'a> {
+/// [`Relation::steep`], measured in `units` or in those of the user.
+pub(super) fn assemble<'a>(
+    system: LocalSystem<'a>,
+    input: &ReductionInput<'a>,
+    limit: f64,
+    units: Option<&'a Scaling>,
+) -> Relation<'a> {
     let ReductionInput { basis, bounds, ref fixed, .. } = *input;
     let rank = basis.rows();
     let mut relation = Relation {
@@ -191,6 +209,7 @@ pub(super) fn assemble<'a>(system: LocalSystem<'a>, input: &ReductionInput<'a>, 
         dofs: Vec::new(),
         values: Vec::new(),
         constant: basis.constants().to_vec(),
+        units,
         growth: 0.0,
         steep: Vec::new(),
     };
@@ -202,7 +221,7 @@ pub(super) fn assemble<'a>(system: LocalSystem<'a>, input: &ReductionInput<'a>, 
             substitute(&mut relation, &mut sum, t, is_fixed);
         }
         relation.row_of[slave as usize] = t as u32;
-        if bounds[t] > relation.growth.min(limit) {
+        if bounds[t] > relation.growth.min(limit) || units.is_some() {
             let largest = relation.largest(t);
             relation.growth = relation.growth.max(largest);
             if largest > limit {

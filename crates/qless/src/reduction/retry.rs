@@ -7,7 +7,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::residual_check::{self, Residuals};
-use super::{Reduction, ReductionError};
+use super::{Reduction, ReductionError, output};
 use crate::Csr;
 use crate::factor::backend::BackendError;
 use crate::factor::lu;
@@ -235,7 +235,7 @@ fn replace(reduction: &mut Reduction, rows: &[Option<RecomputedRow>], is_wanted:
     }
     (reduction.t, reduction.g_matrix) = (t, g_matrix);
     if is_new {
-        let growth = reduction.t.val.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+        let growth = output::largest_entry(&reduction.t);
         reduction.growth = reduction.factored.iter().map(|block| block.growth).fold(growth, f64::max);
     }
 }
