@@ -158,14 +158,24 @@ fn scene(size: &str, family: &systems::Family) -> Result<qless_scenes::Scene, Be
 
 /// Refuses unknown names.
 fn check_names(args: &BenchArgs) -> Result<(), BenchError> {
-    let methods: Vec<&str> = methods::all(&[]).iter().map(|method| method.name).collect();
-    let families: Vec<&str> = systems::families(false, &[]).iter().map(|family| family.name).collect();
-    for (what, named, known) in [("method", &args.method, methods), ("family", &args.family, families)] {
-        if let Some(name) = named.iter().find(|name| !known.contains(&name.as_str())) {
-            return Err(BenchError::Input(format!("no {what} is called `{name}`; there are: {}", known.join("; "))));
-        }
-    }
-    Ok(())
+    let methods =
+        |only: &[String]| -> Vec<&'static str> { methods::all(only).iter().map(|method| method.name).collect() };
+    let families = |only: &[String]| -> Vec<&'static str> {
+        systems::families(false, only).iter().map(|family| family.name).collect()
+    };
+    check_names_of("method", &args.method, methods)?;
+    check_names_of("family", &args.family, families)
+}
+
+fn check_names_of(
+    what: &str,
+    named: &[String],
+    all: impl Fn(&[String]) -> Vec<&'static str>,
+) -> Result<(), BenchError> {
+    let known = all(named);
+    named.iter().find(|name| !known.contains(&name.as_str())).map_or(Ok(()), |name| {
+        Err(BenchError::Input(format!("no {what} is called `{name}`; there are: {}", all(&[]).join("; "))))
+    })
 }
 
 /// The command that repeats the measurements.

@@ -66,19 +66,26 @@ pub fn all(only: &[String]) -> Vec<BenchMethod> {
     if cfg!(feature = "spqr") {
         all.push(BenchMethod::new("spqr alone", alone(BackendChoice::Spqr)));
     }
+    let is_wanted = |name: &str| only.is_empty() || only.iter().any(|wanted| wanted == name);
     #[cfg(feature = "peers")]
-    all.extend(peers());
-    all.retain(|method| only.is_empty() || only.iter().any(|name| name == method.name));
+    all.extend(peers(is_wanted));
+    all.retain(|method| is_wanted(method.name));
     all
 }
 
-/// Other libraries that are in common use, and those of the solvers that are installed.
+/// Other libraries that are in common use, and those of the solvers that are wanted and installed. Only for wanted ones a program is
+/// started to see whether they are.
 #[cfg(feature = "peers")]
-fn peers() -> impl Iterator<Item = BenchMethod> {
+fn peers(is_wanted: impl Fn(&str) -> bool) -> impl Iterator<Item = BenchMethod> {
     use super::peers::{Eigen, Lapack, Rule, Solver};
     let peer = |name, engine| BenchMethod { name, engine, is_apart: true, is_dense: false };
     let lapack = peer("LAPACK dgeqp3", Engine::Peer(Box::new(Lapack(Rule::Own)), 0.0));
     [peer("Eigen SparseQR", Engine::Peer(Box::new(Eigen(Rule::Own)), 0.0)), BenchMethod { is_dense: true, ..lapack }]
         .into_iter()
-        .chain(Solver::installed().map(move |solver| peer(solver.name(), Engine::Solver(solver))))
+        .chain(
+            Solver::ALL
+                .into_iter()
+                .filter(move |solver| is_wanted(solver.name()) && solver.is_installed())
+                .map(move |solver| peer(solver.name(), Engine::Solver(solver))),
+        )
 }

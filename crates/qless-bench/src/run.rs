@@ -62,7 +62,8 @@ pub fn once(system: &ConstraintSystem, method: &BenchMethod) -> Result<Done, Giv
         }
         #[cfg(feature = "peers")]
         Engine::Solver(solver) => {
-            let (rank, time) = solver.ranks(&[system])?.swap_remove(0)?;
+            let mut answers = solver.ranks(&[system]).map_err(GivenUpReason::Failed)?;
+            let (rank, time) = answers.swap_remove(0).map_err(GivenUpReason::Failed)?;
             Ok(Done { time, rank, reduction: None, analysis: None })
         }
     }
@@ -83,8 +84,9 @@ pub type BenchVerdict = Result<(usize, bool), GivenUpReason>;
 pub fn verdicts(systems: &[&ConstraintSystem], method: &BenchMethod) -> Result<Vec<BenchVerdict>, GivenUpReason> {
     #[cfg(feature = "peers")]
     if let Engine::Solver(solver) = &method.engine {
-        let answers = solver.ranks(systems)?.into_iter();
-        return Ok(answers.map(|answer| answer.map(|(rank, _)| (rank, false))).collect());
+        let answers = solver.ranks(systems).map_err(GivenUpReason::Failed)?.into_iter();
+        let sure = |(rank, _)| (rank, false);
+        return Ok(answers.map(|answer| answer.map(sure).map_err(GivenUpReason::Failed)).collect());
     }
     Ok(systems.par_iter().map(|system| verdict(system, method)).collect())
 }

@@ -11,13 +11,14 @@ use std::process::{Command, Stdio};
 
 use qless::ConstraintSystem;
 
-use super::super::given_up::GivenUpReason;
 use super::free_columns;
 
 const HIGHS: &str = include_str!("../../peers/highs.py");
 
-/// The rank of a system, and seconds.
-pub type SolverAnswer = Result<(usize, f64), GivenUpReason>;
+/// The rank of a system, and seconds; or why there is none.
+pub type SolverAnswer = Result<(usize, f64), String>;
+
+const NO_ANSWER: &str = "its program ended without an answer";
 
 /// A solver in common use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,16 +28,18 @@ pub enum Solver {
 }
 
 impl Solver {
-    /// The solvers of this machine: MUMPS if `libmumps-seq-dev` was there at the build, HiGHS if `python3` has `highspy`.
-    pub fn installed() -> impl Iterator<Item = Self> {
-        [Self::Mumps, Self::Highs].into_iter().filter(|solver| match solver {
+    pub const ALL: [Self; 2] = [Self::Mumps, Self::Highs];
+
+    /// MUMPS is if `libmumps-seq-dev` was there at the build, HiGHS if `python3` has `highspy` and `numpy`.
+    pub fn is_installed(self) -> bool {
+        match self {
             Self::Mumps => option_env!("QLESS_MUMPS").is_some_and(|path| Path::new(path).exists()),
             Self::Highs => {
                 let finds =
                     "import importlib.util as u, sys; sys.exit(not (u.find_spec('highspy') and u.find_spec('numpy')))";
                 Command::new("python3").args(["-c", finds]).status().is_ok_and(|status| status.success())
             }
-        })
+        }
     }
 
     pub fn name(self) -> &'static str {
@@ -47,8 +50,8 @@ impl Solver {
     }
 
     /// For each system the rank of C in its free DOFs, and seconds.
-    pub fn ranks(self, systems: &[&ConstraintSystem]) -> Result<Vec<SolverAnswer>, GivenUpReason> {
-        let failed = |error: std::io::Error| GivenUpReason::Failed(format!("its program does not run: {error}"));
+    pub fn ranks(self, systems: &[&ConstraintSystem]) -> Result<Vec<SolverAnswer>, String> {
+        let failed = |error: std::io::Error| format!("its program does not run: {error}");
         let mut child = self.command().stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null()).spawn();
         let child = child.as_mut().map_err(|error| failed(std::io::Error::from(error.kind())))?;
         let (input, mut output) = (child.stdin.take(), child.stdout.take());
@@ -60,7 +63,7 @@ impl Solver {
         });
         read.and_then(|_| child.wait()).map_err(failed)?;
         let mut answers: Vec<_> = text.lines().map(answer).collect();
-        answers.resize(systems.len(), Err(GivenUpReason::Ended));
+        answers.resize(systems.len(), Err(NO_ANSWER.to_owned()));
         Ok(answers)
     }
 
@@ -78,10 +81,10 @@ impl Solver {
 
 fn answer(line: &str) -> SolverAnswer {
     if let Some(reason) = line.strip_prefix("failed ") {
-        return Err(GivenUpReason::Failed(reason.to_owned()));
+        return Err(reason.to_owned());
     }
     let found = line.split_once(' ').and_then(|(rank, seconds)| Some((rank.parse().ok()?, seconds.parse().ok()?)));
-    found.ok_or(GivenUpReason::Ended)
+    found.ok_or_else(|| NO_ANSWER.to_owned())
 }
 
 fn write(systems: &[&ConstraintSystem], out: &mut impl Write) -> std::io::Result<()> {
@@ -97,12 +100,12 @@ fn write(systems: &[&ConstraintSystem], out: &mut impl Write) -> std::io::Result
 
 #[cfg(test)]
 mod tests {
-    use super::{GivenUpReason, answer};
+    use super::{NO_ANSWER, answer};
 
     #[test]
     fn a_line_is_a_rank_or_the_reason_of_a_failure() {
         assert_eq!(answer("12 0.5"), Ok((12, 0.5)));
-        assert_eq!(answer("failed INFOG(1) = -13"), Err(GivenUpReason::Failed("INFOG(1) = -13".to_owned())));
-        assert_eq!(answer("12"), Err(GivenUpReason::Ended));
+        assert_eq!(answer("failed INFOG(1) = -13"), Err("INFOG(1) = -13".to_owned()));
+        assert_eq!(answer("12"), Err(NO_ANSWER.to_owned()));
     }
 }

@@ -45,6 +45,7 @@ mod model {
     pub mod positions;
     pub mod selection;
     pub mod terms;
+    pub mod written;
 }
 
 mod commands {

@@ -14,6 +14,7 @@ use super::commands::equations::CeEquations;
 use super::model::events::ValueEvent;
 use super::model::nodes::AnsysNodes;
 use super::model::selection::NodeSelection;
+use super::model::written::{Resumed, TextPart, WrittenFiles};
 use super::syntax::archive::{self, ArchiveLine};
 use super::syntax::command::{AnsysLine, parse};
 use super::syntax::control::{Execution, FlowControl, TextPosition};
@@ -21,7 +22,6 @@ use super::syntax::field::FieldFault;
 use super::syntax::parameters::ApdlParameters;
 use crate::bytes::LINE;
 use crate::deck::{DeckError, Dof, Model, Problem};
-use files::{Resumed, TextPart, WrittenFiles};
 pub use models::AnsysModels;
 use unread::UnreadCommands;
 

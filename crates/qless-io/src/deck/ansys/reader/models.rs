@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::AnsysReader;
-use super::files::{Resumed, WrittenFiles};
+use crate::deck::ansys::model::written::{Resumed, WrittenFiles};
 use crate::deck::ansys::syntax::control::TextPosition;
 use crate::deck::{DeckError, Model, Problem};
 
