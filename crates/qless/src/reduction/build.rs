@@ -265,7 +265,7 @@ fn build_in(
     let exchanged = meet_preferences(&mut relation, &input.preferences, limit);
     let exchanges = bound_growth(&mut relation, limit, &input.preferences, exchanged);
     let reduction = output::write(system, &relation);
-    let own = if units.is_some() { output::largest_entry(&reduction.t) } else { relation.growth };
+    let own = if units.is_some() { retry::largest_entry(&reduction.t) } else { relation.growth };
     let growth = factored.iter().map(|block| block.growth).fold(own, f64::max);
     let mut reduction = Reduction { growth, exchanges, factored, ..reduction };
     retry::checked(&mut reduction, local, CheckedTerms::All, &input.rules()).map(|()| reduction)

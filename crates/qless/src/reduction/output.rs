@@ -102,8 +102,3 @@ fn sized(order: &SlaveOrder, cols: usize, length: impl Fn(usize) -> usize + Sync
     let nnz = start[rows];
     Csr { cols, start, col: vec![0; nnz], val: vec![0.0; nnz] }
 }
-
-/// The growth `max |T_ij|`.
-pub(super) fn largest_entry(t: &Csr) -> f64 {
-    t.val.iter().fold(0.0, |most, v| most.max(v.abs()))
-}

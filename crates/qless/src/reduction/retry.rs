@@ -7,7 +7,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::residual_check::{self, Residuals};
-use super::{Reduction, ReductionError, output};
+use super::{Reduction, ReductionError};
 use crate::Csr;
 use crate::factor::backend::BackendError;
 use crate::factor::lu;
@@ -235,9 +235,14 @@ fn replace(reduction: &mut Reduction, rows: &[Option<RecomputedRow>], is_wanted:
     }
     (reduction.t, reduction.g_matrix) = (t, g_matrix);
     if is_new {
-        let growth = output::largest_entry(&reduction.t);
+        let growth = largest_entry(&reduction.t);
         reduction.growth = reduction.factored.iter().map(|block| block.growth).fold(growth, f64::max);
     }
+}
+
+/// The growth `max |T_ij|`.
+pub(super) fn largest_entry(t: &Csr) -> f64 {
+    t.val.iter().fold(0.0, |most, v| most.max(v.abs()))
 }
 
 impl From<BackendError> for ReductionError {
