@@ -97,6 +97,37 @@ fn equations_with_sides_are_reduced_in_any_unit() {
     }
 }
 
+/// A part of the second of these systems needs other units for its T (seed 11 of the test above); the first keeps its T to the last bit.
+#[test]
+fn units_of_one_part_do_not_change_another() {
+    let drawn = |seed: u64| {
+        let mut rng = Rng::new(seed);
+        let units = units(50, &mut rng);
+        sparse(30, &units, 1.0, &mut rng)
+    };
+    let reduced = |systems: &[&ConstraintSystem]| {
+        let mut builder = SystemBuilder::new(50 * systems.len());
+        for (k, system) in systems.iter().enumerate() {
+            (0..30).for_each(|i| {
+                let terms: Vec<_> = system.matrix().row(i).map(|(j, v)| (50 * k + j, v)).collect();
+                builder.equation(terms, system.rhs()[i]);
+            });
+        }
+        let options = Options { presolve: false, ..Options::default() };
+        analyse(&builder.build().expect("valid"), &options).expect("valid").reduction().expect("within the gate")
+    };
+    let other = drawn(11);
+    for seed in 20..60 {
+        let first = drawn(seed);
+        let (alone, both) = (reduced(&[&first]), reduced(&[&first, &other]));
+        let of_first: Vec<usize> = both.slaves().iter().copied().filter(|&s| s < 50).collect();
+        assert_eq!(of_first, alone.slaves(), "seed {seed}");
+        for i in 0..alone.slaves().len() {
+            assert!(alone.t().row(i).eq(both.t().row(i)) && alone.g()[i] == both.g()[i], "seed {seed}, row {i}");
+        }
+    }
+}
+
 /// The entries of T that belong to slaves, by rows and by columns, and the largest of them, if T is a factor.
 #[test]
 fn factors_have_the_rows_and_the_growth_of_t() {

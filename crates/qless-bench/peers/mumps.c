@@ -2,6 +2,7 @@
 // tolerance. Reads systems from standard input and writes `rank seconds` for each, or `failed` and why; super::solvers has the format.
 #define _POSIX_C_SOURCE 199309L
 #include <dmumps_c.h>
+#include <limits.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,7 +13,8 @@
 #endif
 
 enum { END = -2, START = -1, ANALYSE_AND_FACTOR = 4 };
-enum { TOO_LITTLE_WORKSPACE = -9, MOST_TRIES = 8 };
+// INFOG(1) if the workspace for integers or for numbers was too small.
+enum { FEW_INTEGERS = -8, FEW_NUMBERS = -9, MOST_TRIES = 8 };
 
 typedef struct {
     uint64_t rows, cols, entries;
@@ -40,6 +42,10 @@ static int read_system(Multipliers *out) {
     uint64_t size[3];
     if (fread(size, sizeof *size, 3, stdin) != 3) return 0;
     uint64_t rows = size[0], cols = size[1], entries = size[2];
+    if (rows > INT_MAX || cols > INT_MAX - rows) {
+        puts("failed more equations and DOFs than MUMPS counts");
+        exit(1);
+    }
     uint64_t *start = read_array(sizeof *start, cols + 1);
     uint32_t *row = read_array(sizeof *row, entries);
     double *value = read_array(sizeof *value, entries);
@@ -80,7 +86,7 @@ static int null_pivots(const Multipliers *system) {
         id.job = END;
         dmumps_c(&id);
         if (error >= 0) return found;
-        if (error != TOO_LITTLE_WORKSPACE && error != -8) break;
+        if (error != FEW_INTEGERS && error != FEW_NUMBERS) break;
     }
     return error;
 }

@@ -45,7 +45,7 @@ impl Solver {
     pub fn name(self) -> &'static str {
         match self {
             Self::Mumps => "MUMPS null pivots",
-            Self::Highs => "HiGHS presolve",
+            Self::Highs => "HiGHS",
         }
     }
 

@@ -237,19 +237,31 @@ impl Analysis {
 }
 
 /// Builds T, G and g, exchanges slaves and masters to meet the preferences and the bound of `max |T_ij|`, and checks the residuals. In the
-/// units of a user who mixes them, slaves with a small T can be as good as dependent; then T is bounded in scaled units.
+/// units of a user who mixes them, slaves with a small T can be as good as dependent; then T of their part is bounded in scaled units.
 fn build(
     system: &ConstraintSystem,
     local: LocalSystem,
     input: &ReductionInput,
     factored: Vec<FactoredBlock>,
 ) -> Result<Reduction, ReductionError> {
-    let again = (!input.scaling.col.is_empty()).then(|| factored.clone());
-    match (build_in(None, system, local, input, factored), again) {
-        (Err(ReductionError::Residual { .. }), Some(factored)) => {
-            build_in(Some(input.scaling), system, local, input, factored)
+    if input.scaling.col.is_empty() {
+        return build_in(None, system, local, input, factored);
+    }
+    let labels = Labels::of(local);
+    let mut units = Scaling::none(0);
+    let mut is_scaled = vec![false; labels.count];
+    loop {
+        let own = Some(&units).filter(|units| !units.col.is_empty());
+        match build_in(own, system, local, input, factored.clone()) {
+            Err(ReductionError::Residual { row, .. }) if !is_scaled[labels.of_row[row] as usize] => {
+                is_scaled[labels.of_row[row] as usize] = true;
+                units.col.resize(local.dofs(), 0);
+                for i in (0..local.equations()).filter(|&i| labels.of_row[i] == labels.of_row[row]) {
+                    local.parts(i).0.iter().for_each(|&j| units.col[j as usize] = input.scaling.col(j as usize));
+                }
+            }
+            built => return built,
         }
-        (built, _) => built,
     }
 }
 
