@@ -8,7 +8,7 @@ use super::panels;
 use super::sample::{Sample, Series};
 
 /// Colours that can be distinguished in print too.
-pub const COLOURS: [RGBColor; 10] = [
+pub const COLOURS: [RGBColor; 11] = [
     RGBColor(31, 78, 140),
     RGBColor(217, 95, 2),
     RGBColor(27, 138, 90),
@@ -19,6 +19,7 @@ pub const COLOURS: [RGBColor; 10] = [
     RGBColor(140, 60, 30),
     RGBColor(110, 70, 190),
     RGBColor(230, 110, 150),
+    RGBColor(100, 150, 30),
 ];
 
 /// Name of the file with the plot of times against equations.
@@ -48,7 +49,10 @@ fn growth(samples: &[Sample], methods: &[BenchMethod]) -> Drawn {
     let all: Vec<(f64, f64)> = methods.iter().flat_map(|method| Series::new(samples, method.name).points).collect();
     let low = |k: fn(&(f64, f64)) -> f64| all.iter().map(k).fold(f64::INFINITY, f64::min);
     let high = |k: fn(&(f64, f64)) -> f64| all.iter().map(k).fold(0.0, f64::max);
-    let (x, y) = (low(|p| p.0) / 1.2..high(|p| p.0) * 1.2, low(|p| p.1) / 2.0..high(|p| p.1) * 200.0);
+    let (least, most) = (low(|p| p.1) / 2.0, high(|p| p.1) * 2.0);
+    // The legend stands above all points, and each of its lines is a 27th of the height.
+    let legend = (methods.iter().filter(|method| has_points(samples, method)).count() + 1) as f64 / 27.0;
+    let (x, y) = (low(|p| p.0) / 1.2..high(|p| p.0) * 1.2, least..most * (most / least).powf(legend / (1.0 - legend)));
     let mut svg = String::new();
     {
         let root = SVGBackend::with_string(&mut svg, (900, 560)).into_drawing_area();

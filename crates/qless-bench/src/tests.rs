@@ -33,6 +33,13 @@ fn samples(methods: &[methods::BenchMethod]) -> Vec<Sample> {
     methods.iter().enumerate().map(sample).collect()
 }
 
+#[test]
+fn every_method_has_a_colour_of_its_own() {
+    let count = methods::all(&[]).len();
+    // The bare factorization is the unit of the panels, not a line.
+    assert!(plot::COLOURS.len() >= count && panels::COLOURS.len() >= count - 1, "{count} methods");
+}
+
 /// The fields of a line; commas within quotes do not count.
 fn fields(line: &str) -> Vec<String> {
     let mut fields = vec![String::new()];

@@ -26,30 +26,40 @@ pub(crate) struct SlaveSolver {
     step: Vec<u32>,
 }
 
-/// Numbers by step, most of them zero; a bit set marks the nonzeros.
-struct SparseFactors {
-    values: Vec<f64>,
+/// Number of right-hand sides that are solved together: one cache line of numbers for each step.
+const LANES: usize = 8;
+
+/// Numbers of N right-hand sides by step, most of them zero; a bit set marks the steps with nonzeros.
+struct SparseFactors<const N: usize> {
+    values: Vec<[f64; N]>,
     bits: Vec<u64>,
 }
 
-impl SparseFactors {
+impl<const N: usize> SparseFactors<N> {
     fn new(length: usize) -> Self {
-        Self { values: vec![0.0; length], bits: vec![0; length.div_ceil(64)] }
+        Self { values: vec![[0.0; N]; length], bits: vec![0; length.div_ceil(64)] }
     }
 
     #[inline]
-    fn add(&mut self, k: usize, value: f64) {
-        self.values[k] += value;
+    fn add(&mut self, k: usize, values: [f64; N]) {
+        self.values[k].iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
         self.bits[k / 64] |= 1 << (k % 64);
     }
 
-    fn largest(&self) -> f64 {
-        let mut largest = 0.0_f64;
-        self.visit(|_, value| largest = largest.max(value.abs()));
+    /// Subtracts `factor` times the values.
+    #[inline]
+    fn subtract(&mut self, k: usize, factor: f64, values: [f64; N]) {
+        self.add(k, values.map(|value| -factor * value));
+    }
+
+    /// The largest number of each right-hand side.
+    fn largest(&self) -> [f64; N] {
+        let mut largest = [0.0_f64; N];
+        self.visit(|_, values| largest.iter_mut().zip(values).for_each(|(most, value)| *most = most.max(value.abs())));
         largest
     }
 
-    fn visit(&self, mut visit: impl FnMut(usize, f64)) {
+    fn visit(&self, mut visit: impl FnMut(usize, [f64; N])) {
         for (word, &bits) in self.bits.iter().enumerate() {
             let mut bits = bits;
             while bits != 0 {
@@ -61,35 +71,53 @@ impl SparseFactors {
     }
 
     /// Removes the numbers in ascending order of their steps and passes each to `next`, which may add numbers at later steps.
-    fn drain_up(&mut self, mut next: impl FnMut(&mut Self, usize, f64)) {
+    fn drain_up(&mut self, mut next: impl FnMut(&mut Self, usize, [f64; N])) {
         for word in 0..self.bits.len() {
             while self.bits[word] != 0 {
                 let k = 64 * word + self.bits[word].trailing_zeros() as usize;
                 self.bits[word] &= self.bits[word] - 1;
-                let value = std::mem::take(&mut self.values[k]);
-                next(self, k, value);
+                let values = std::mem::replace(&mut self.values[k], [0.0; N]);
+                next(self, k, values);
             }
         }
     }
 
     /// Removes the numbers in descending order of their steps and passes each to `next`, which may add numbers at earlier steps.
-    fn drain_down(&mut self, mut next: impl FnMut(&mut Self, usize, f64)) {
+    fn drain_down(&mut self, mut next: impl FnMut(&mut Self, usize, [f64; N])) {
         for word in (0..self.bits.len()).rev() {
             while self.bits[word] != 0 {
                 let k = 64 * word + 63 - self.bits[word].leading_zeros() as usize;
                 self.bits[word] ^= 1 << (k % 64);
-                let value = std::mem::take(&mut self.values[k]);
-                next(self, k, value);
+                let values = std::mem::replace(&mut self.values[k], [0.0; N]);
+                next(self, k, values);
             }
         }
     }
 }
 
-/// Work arrays of one thread; empty between columns.
-struct SolverWork {
-    right: SparseFactors,
-    y: SparseFactors,
-    x: SparseFactors,
+/// Work arrays for N right-hand sides; empty between solves.
+struct SolverWork<const N: usize> {
+    right: SparseFactors<N>,
+    y: SparseFactors<N>,
+    x: SparseFactors<N>,
+}
+
+impl<const N: usize> SolverWork<N> {
+    fn new(length: usize) -> Self {
+        let empty = || SparseFactors::new(length);
+        Self { right: empty(), y: empty(), x: empty() }
+    }
+}
+
+/// A column of T: steps and numbers.
+type SolvedColumn = Vec<(usize, f64)>;
+
+/// What a thread needs to solve for groups of [`LANES`] right-hand sides, one after the other or together.
+struct GroupWork {
+    one: SolverWork<1>,
+    together: Option<SolverWork<LANES>>,
+    /// Whether the next group is solved together, which gives the same bits.
+    share: bool,
 }
 
 impl SlaveSolver {
@@ -116,16 +144,25 @@ impl SlaveSolver {
     /// Row k of the result is the solution for the right-hand side in row k of `right`. The columns of `right` are the equations.
     pub fn solve(&self, right: &Csr) -> Csr {
         let r = self.lu.order.len();
-        let empty = || SparseFactors::new(r);
-        let work = || SolverWork { right: empty(), y: empty(), x: empty() };
-        let column = |work: &mut SolverWork, k: usize| {
-            right.row(k).for_each(|(i, v)| work.right.add(self.step[i] as usize, v));
-            self.column(work)
-        };
-        let solved: Vec<Vec<(usize, f64)>> = (0..right.rows()).into_par_iter().map_init(work, column).collect();
+        let work = || GroupWork { one: SolverWork::new(r), together: None, share: false };
+        let groups = (0..right.rows().div_ceil(LANES)).into_par_iter();
+        let solved: Vec<Vec<SolvedColumn>> = groups.map_init(work, |work, k| self.group(work, right, k)).collect();
         let mut all = Csr::empty(r);
-        solved.into_iter().for_each(|column| all.append(column));
+        solved.into_iter().flatten().for_each(|column| all.append(column));
         all
+    }
+
+    /// Solves for the k-th group of right-hand sides.
+    fn group(&self, work: &mut GroupWork, right: &Csr, k: usize) -> Vec<SolvedColumn> {
+        let rows: Vec<usize> = (k * LANES..right.rows().min((k + 1) * LANES)).collect();
+        let GroupWork { one, together, share } = work;
+        let solved: Vec<SolvedColumn> = if *share {
+            self.solved(together.get_or_insert_with(|| SolverWork::new(self.lu.order.len())), right, &rows)
+        } else {
+            rows.iter().flat_map(|&row| self.solved(one, right, &[row])).collect()
+        };
+        *share = share_steps(&solved, &mut one.x);
+        solved
     }
 
     /// Solves `C_S x = b` for one dense b (by equation), with a step of refinement; C_S has the columns of the slaves, and x is in their
@@ -188,43 +225,67 @@ impl SlaveSolver {
         &self.lu
     }
 
-    /// Solves `C_S x = right` twice, where C_S has the columns of the slaves: the second solve is for the residual of the first and
-    /// corrects x.
-    fn column(&self, work: &mut SolverWork) -> Vec<(usize, f64)> {
+    /// Solves `C_S x = right` twice for up to N rows of `right`, where C_S has the columns of the slaves: the second solve is for the
+    /// residual of the first and corrects x.
+    fn solved<const N: usize>(&self, work: &mut SolverWork<N>, right: &Csr, rows: &[usize]) -> Vec<SolvedColumn> {
+        for (lane, &row) in rows.iter().enumerate() {
+            let of_lane = |v: f64| std::array::from_fn(|k| if k == lane { v } else { 0.0 });
+            right.row(row).for_each(|(i, v)| work.right.add(self.step[i] as usize, of_lane(v)));
+        }
         self.add_solution(work);
         self.subtract_product(work);
         self.add_solution(work);
         work.right.drain_up(|_, _, _| {});
-        let mut out = Vec::new();
-        work.x.drain_up(|_, k, value| out.extend((value != 0.0).then_some((k, value))));
+        // Exact lengths: lists that grow side by side would leave gaps between them.
+        let mut lengths = [0; N];
+        work.x.visit(|_, values| lengths.iter_mut().zip(values).for_each(|(n, value)| *n += usize::from(value != 0.0)));
+        let mut out: Vec<SolvedColumn> = lengths[..rows.len()].iter().map(|&n| Vec::with_capacity(n)).collect();
+        work.x.drain_up(|_, k, values| {
+            out.iter_mut().zip(values).filter(|(_, value)| *value != 0.0).for_each(|(out, value)| out.push((k, value)));
+        });
         out
     }
 
     /// `x <- x + L11^-T U^-T right` with the factors L11 and U; `right` is not changed.
-    fn add_solution(&self, SolverWork { right, y, x }: &mut SolverWork) {
-        let faded = FADED * right.largest().max(x.largest());
+    fn add_solution<const N: usize>(&self, SolverWork { right, y, x }: &mut SolverWork<N>) {
+        let (of_right, of_x) = (right.largest(), x.largest());
+        let faded: [f64; N] = std::array::from_fn(|lane| FADED * of_right[lane].max(of_x[lane]));
+        let above = |values: [f64; N]| -> Option<[f64; N]> {
+            let kept: [f64; N] =
+                std::array::from_fn(|lane| if values[lane].abs() > faded[lane] { values[lane] } else { 0.0 });
+            kept.iter().any(|value| *value != 0.0).then_some(kept)
+        };
         let mut upper = SparseFactors { values: std::mem::take(&mut y.values), bits: std::mem::take(&mut y.bits) };
-        let mut lower: Vec<(usize, f64)> = Vec::new();
-        right.visit(|k, value| upper.add(k, value));
-        upper.drain_up(|upper, k, value| {
-            if value.abs() > faded {
-                let value = value / self.lu.diagonal[k];
-                self.lu.u.row(k).for_each(|(later, v)| upper.add(later, -v * value));
-                lower.push((k, value));
+        let mut lower: Vec<(usize, [f64; N])> = Vec::new();
+        right.visit(|k, values| upper.add(k, values));
+        upper.drain_up(|upper, k, values| {
+            if let Some(values) = above(values) {
+                let values = values.map(|value| value / self.lu.diagonal[k]);
+                self.lu.u.row(k).for_each(|(later, v)| upper.subtract(later, v, values));
+                lower.push((k, values));
             }
         });
-        lower.iter().for_each(|&(k, value)| upper.add(k, value));
-        upper.drain_down(|rest, k, value| {
-            if value.abs() > faded {
-                self.lu.l.row(k).for_each(|(earlier, v)| rest.add(earlier, -v * value));
-                x.add(k, value);
+        lower.iter().for_each(|&(k, values)| upper.add(k, values));
+        upper.drain_down(|rest, k, values| {
+            if let Some(values) = above(values) {
+                self.lu.l.row(k).for_each(|(earlier, v)| rest.subtract(earlier, v, values));
+                x.add(k, values);
             }
         });
         (y.values, y.bits) = (upper.values, upper.bits);
     }
 
     /// Subtracts `C_S x` from `right`; C_S has the columns of the slaves.
-    fn subtract_product(&self, SolverWork { right, x, .. }: &mut SolverWork) {
-        x.visit(|k, value| self.columns.row(k).for_each(|(equation, v)| right.add(equation, -v * value)));
+    fn subtract_product<const N: usize>(&self, SolverWork { right, x, .. }: &mut SolverWork<N>) {
+        x.visit(|k, values| self.columns.row(k).for_each(|(equation, v)| right.subtract(equation, v, values)));
     }
+}
+
+/// Whether columns have so many steps in common that it pays to solve for them together. Alone, each costs its own steps; together, a step
+/// of any of them costs about two.
+fn share_steps(columns: &[SolvedColumn], empty: &mut SparseFactors<1>) -> bool {
+    columns.iter().flatten().for_each(|&(k, _)| empty.add(k, [0.0]));
+    let mut union = 0;
+    empty.drain_up(|_, _, _| union += 1);
+    2 * union < columns.iter().map(Vec::len).sum::<usize>()
 }

@@ -2,7 +2,15 @@
 
 use std::collections::HashMap;
 
-use super::relation::Relation;
+use rayon::prelude::*;
+
+use super::relation::{Relation, Terms};
+
+/// Number of rows that change at the same time; their new terms wait in memory until the last of them is computed.
+const TOGETHER: usize = 64;
+/// Number of terms below which rows do not change on several threads: another thread begins within some microseconds, in which one thread
+/// merges about as many.
+const GRAIN: usize = 1 << 13;
 
 /// The relation `u_s = T u_q + ...`, with an index from masters to rows.
 pub(super) struct Exchange<'a, 'b> {
@@ -45,13 +53,17 @@ impl<'a, 'b> Exchange<'a, 'b> {
         self.holders.remove(&master);
         let slave = std::mem::replace(&mut self.relation.slave[i as usize], master);
         self.holders.entry(slave).or_default().push(i);
-        for &(k, factor) in &targets {
-            let (merged, new) = merge(&self.relation.sorted(k as usize), master, factor, &row);
-            new.into_iter().for_each(|j| self.hold(j, k));
-            self.relation.change(k as usize, &merged);
-            self.relation.constant[k as usize] += factor * constant;
+        for targets in targets.chunks(TOGETHER) {
+            let merged = |&(k, factor): &(u32, f64)| merge(&self.relation.sorted(k as usize), master, factor, &row);
+            let rows: Vec<(Terms, Vec<u32>)> =
+                targets.par_iter().with_min_len(GRAIN.div_ceil(row.0.len())).map(merged).collect();
+            for (&(k, factor), (terms, new)) in targets.iter().zip(rows) {
+                new.into_iter().for_each(|j| self.hold(j, k));
+                self.relation.change(k as usize, terms);
+                self.relation.constant[k as usize] += factor * constant;
+            }
         }
-        self.relation.change(i as usize, &row);
+        self.relation.change(i as usize, row);
         self.relation.constant[i as usize] = constant;
         self.relation.row_of[slave as usize] = u32::MAX;
         self.relation.row_of[master as usize] = i;
@@ -69,46 +81,52 @@ impl<'a, 'b> Exchange<'a, 'b> {
     }
 
     /// Row i solved for a master.
-    fn solved_for(&self, i: u32, master: u32) -> (Vec<(u32, f64)>, f64) {
+    fn solved_for(&self, i: u32, master: u32) -> (Terms, f64) {
         let pivot = self.relation.coefficient(i as usize, master).unwrap_or_default();
         let slave = self.relation.slave[i as usize];
-        let old = self.relation.sorted(i as usize);
-        let mut row: Vec<_> = old.into_iter().filter(|e| e.0 != master).map(|(j, v)| (j, -v / pivot)).collect();
-        let place = row.partition_point(|&(j, _)| j < slave);
-        row.insert(place, (slave, 1.0 / pivot));
-        (row, -self.relation.constant[i as usize] / pivot)
+        let (mut dofs, mut values) = self.relation.sorted(i as usize).into_owned();
+        if let Ok(at) = dofs.binary_search(&master) {
+            dofs.remove(at);
+            values.remove(at);
+        }
+        values.iter_mut().for_each(|v| *v = -*v / pivot);
+        let place = dofs.partition_point(|&j| j < slave);
+        dofs.insert(place, slave);
+        values.insert(place, 1.0 / pivot);
+        ((dofs, values), -self.relation.constant[i as usize] / pivot)
     }
 }
 
 /// The row `old` without its entry at `master`, plus `factor` times `row`; ascending, without entries that cancel to rounding. Also the
 /// DOFs that are not in `old`.
-fn merge(old: &[(u32, f64)], master: u32, factor: f64, row: &[(u32, f64)]) -> (Vec<(u32, f64)>, Vec<u32>) {
-    let mut merged = Vec::with_capacity(old.len() + row.len());
-    let mut new = Vec::new();
-    let (mut a, mut b) = (old.iter().filter(|e| e.0 != master).peekable(), row.iter().peekable());
-    loop {
-        let next = match (a.peek(), b.peek()) {
-            (None, None) => return (merged, new),
-            (Some(x), Some(y)) if x.0 == y.0 => {
-                let (own, part) = (x.1, factor * y.1);
+fn merge(old: &Terms, master: u32, factor: f64, row: &Terms) -> (Terms, Vec<u32>) {
+    let most = old.0.len() + row.0.len();
+    let (mut merged, mut new) = ((Vec::with_capacity(most), Vec::with_capacity(most)), Vec::new());
+    let mut push = |j: u32, v: f64| {
+        if v != 0.0 {
+            merged.0.push(j);
+            merged.1.push(v);
+        }
+    };
+    let mut others = row.0.iter().zip(&row.1).map(|(&j, &v)| (j, factor * v)).peekable();
+    for (&j, &own) in old.0.iter().zip(&old.1).filter(|(j, _)| **j != master) {
+        while let Some((other, v)) = others.next_if(|&(other, _)| other < j) {
+            new.push(other);
+            push(other, v);
+        }
+        match others.next_if(|&(other, _)| other == j) {
+            Some((_, part)) => {
                 let sum = own + part;
-                (x.0, if sum.abs() <= 1e-14 * own.abs().max(part.abs()) { 0.0 } else { sum }, true, true)
+                push(j, if sum.abs() <= 1e-14 * own.abs().max(part.abs()) { 0.0 } else { sum });
             }
-            (Some(x), other) if other.is_none_or(|y| x.0 < y.0) => (x.0, x.1, true, false),
-            (_, Some(y)) => {
-                new.push(y.0);
-                (y.0, factor * y.1, false, true)
-            }
-            (Some(_), None) => unreachable!("covered by the arm before"),
-        };
-        if next.2 {
-            a.next();
-        }
-        if next.3 {
-            b.next();
-        }
-        if next.1 != 0.0 {
-            merged.push((next.0, next.1));
+            None => push(j, own),
         }
     }
+    for (other, v) in others {
+        new.push(other);
+        push(other, v);
+    }
+    merged.0.shrink_to_fit();
+    merged.1.shrink_to_fit();
+    (merged, new)
 }

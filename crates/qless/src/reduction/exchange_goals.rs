@@ -107,8 +107,9 @@ pub(super) fn meet_preferences(relation: &mut Relation, preferences: &SlavePrefe
 /// Makes a slave a master, in exchange for the most preferred master of its row; false if no master of the row may become a slave.
 fn release(exchange: &mut Exchange, slave: u32, preferences: &SlavePreferences) -> bool {
     let row = exchange.relation.row_of[slave as usize];
-    let entries = exchange.relation.sorted(row as usize).into_iter().filter(|&(j, _)| exchange.is_free(j));
-    let sizes: Vec<_> = entries.map(|(j, v)| (j, exchange.relation.size(row as usize, j, v))).collect();
+    let terms = exchange.relation.sorted(row as usize);
+    let free = terms.0.iter().zip(&terms.1).filter(|(j, _)| exchange.is_free(**j));
+    let sizes: Vec<_> = free.map(|(&j, &v)| (j, exchange.relation.size(row as usize, j, v))).collect();
     let least = SMALL * sizes.iter().fold(0.0, |a: f64, e| a.max(e.1));
     let fit = sizes.iter().filter(|&&(j, size)| preferences.of(j) > SlavePreference::Master && size > least);
     let best = fit.max_by(|a, b| (preferences.of(a.0), a.1).partial_cmp(&(preferences.of(b.0), b.1)).expect("finite"));

@@ -2,6 +2,8 @@
 //!
 //! If the equation of a slave contains no other slave, its row is the row of the basis, which is not copied.
 
+use std::borrow::Cow;
+
 use super::retry::CheckRules;
 use crate::input::numbering::LocalSystem;
 use crate::input::preferences::SlavePreferences;
@@ -60,12 +62,15 @@ pub(crate) struct Relation<'a> {
 
 const OF_BASIS: u32 = u32::MAX;
 
+/// DOFs and their coefficients.
+pub(super) type Terms = (Vec<u32>, Vec<f64>);
+
 /// The entries of a row that differs from the basis.
 enum OwnRow {
     /// A range of [`Relation::dofs`] and [`Relation::values`].
     Stored { start: usize, len: u32 },
     /// A row that an exchange changed, ascending by DOF.
-    Changed(Box<(Vec<u32>, Vec<f64>)>),
+    Changed(Box<Terms>),
 }
 
 impl Relation<'_> {
@@ -117,11 +122,14 @@ impl Relation<'_> {
         if self.system.prescribed().is_empty() { 0 } else { self.row(i).dofs().filter(|&j| !free[j as usize]).count() }
     }
 
-    /// The entries of row i, ascending.
-    pub fn sorted(&self, i: usize) -> Vec<(u32, f64)> {
+    /// The terms of row i, ascending by DOF.
+    pub fn sorted(&self, i: usize) -> Cow<'_, Terms> {
+        if let Some(OwnRow::Changed(row)) = self.own.get(self.place[i] as usize) {
+            return Cow::Borrowed(row);
+        }
         let mut row: Vec<_> = self.row(i).entries().collect();
         row.sort_unstable_by_key(|&(j, _)| j);
-        row
+        Cow::Owned(row.into_iter().unzip())
     }
 
     /// The coefficient of a DOF in row i, if it is stored; it may be zero.
@@ -151,8 +159,8 @@ impl Relation<'_> {
         self.row(i).entries().fold(0.0, larger)
     }
 
-    pub fn change(&mut self, i: usize, row: &[(u32, f64)]) {
-        self.set(i, OwnRow::Changed(Box::new(row.iter().copied().unzip())));
+    pub fn change(&mut self, i: usize, row: Terms) {
+        self.set(i, OwnRow::Changed(Box::new(row)));
     }
 
     fn set(&mut self, i: usize, own: OwnRow) {
