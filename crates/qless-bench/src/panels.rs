@@ -16,9 +16,8 @@ const LINE: f64 = 18.0;
 const COLUMNS: usize = 2;
 
 /// Colours of the methods in order, light enough for a dark page and dark enough for a light one.
-pub(super) const COLOURS: [&str; 10] = [
-    "#d95f02", "#3b7dd8", "#1b9e77", "#9a5fd0", "#8a8a8a", "#b8860b", "#c2478f", "#008ba3", "#a0522d", "#6a9a1f",
-];
+pub(super) const COLOURS: [&str; 10] =
+    ["#d95f02", "#3b7dd8", "#1b9e77", "#9a5fd0", "#8a8a8a", "#b8860b", "#c2478f", "#008ba3", "#a0522d", "#6a9a1f"];
 
 const STYLE: &str = "<style>text{font:12px sans-serif;fill:#222}.t{font-weight:bold}.a{fill:#777;font-size:10px}.g{stroke:#ddd}\
 .f{fill:none;stroke:#888;stroke-width:1.5}@media(prefers-color-scheme:dark){text{fill:#ddd}.a{fill:#999}.g{stroke:#444}}</style>";

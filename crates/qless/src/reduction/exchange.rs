@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use rayon::prelude::*;
 
-use super::relation::{Relation, Terms};
+use super::relation::{Relation, RelationRow};
 
 /// Number of rows that change at the same time; their new terms wait in memory until the last of them is computed.
 const TOGETHER: usize = 64;
@@ -55,7 +55,7 @@ impl<'a, 'b> Exchange<'a, 'b> {
         self.holders.entry(slave).or_default().push(i);
         for targets in targets.chunks(TOGETHER) {
             let merged = |&(k, factor): &(u32, f64)| merge(&self.relation.sorted(k as usize), master, factor, &row);
-            let rows: Vec<(Terms, Vec<u32>)> =
+            let rows: Vec<(RelationRow, Vec<u32>)> =
                 targets.par_iter().with_min_len(GRAIN.div_ceil(row.0.len())).map(merged).collect();
             for (&(k, factor), (terms, new)) in targets.iter().zip(rows) {
                 new.into_iter().for_each(|j| self.hold(j, k));
@@ -81,7 +81,7 @@ impl<'a, 'b> Exchange<'a, 'b> {
     }
 
     /// Row i solved for a master.
-    fn solved_for(&self, i: u32, master: u32) -> (Terms, f64) {
+    fn solved_for(&self, i: u32, master: u32) -> (RelationRow, f64) {
         let pivot = self.relation.coefficient(i as usize, master).unwrap_or_default();
         let slave = self.relation.slave[i as usize];
         let (mut dofs, mut values) = self.relation.sorted(i as usize).into_owned();
@@ -99,7 +99,7 @@ impl<'a, 'b> Exchange<'a, 'b> {
 
 /// The row `old` without its entry at `master`, plus `factor` times `row`; ascending, without entries that cancel to rounding. Also the
 /// DOFs that are not in `old`.
-fn merge(old: &Terms, master: u32, factor: f64, row: &Terms) -> (Terms, Vec<u32>) {
+fn merge(old: &RelationRow, master: u32, factor: f64, row: &RelationRow) -> (RelationRow, Vec<u32>) {
     let most = old.0.len() + row.0.len();
     let (mut merged, mut new) = ((Vec::with_capacity(most), Vec::with_capacity(most)), Vec::new());
     let mut push = |j: u32, v: f64| {

@@ -63,14 +63,14 @@ pub(crate) struct Relation<'a> {
 const OF_BASIS: u32 = u32::MAX;
 
 /// DOFs and their coefficients.
-pub(super) type Terms = (Vec<u32>, Vec<f64>);
+pub(super) type RelationRow = (Vec<u32>, Vec<f64>);
 
 /// The entries of a row that differs from the basis.
 enum OwnRow {
     /// A range of [`Relation::dofs`] and [`Relation::values`].
     Stored { start: usize, len: u32 },
     /// A row that an exchange changed, ascending by DOF.
-    Changed(Box<Terms>),
+    Changed(Box<RelationRow>),
 }
 
 impl Relation<'_> {
@@ -123,7 +123,7 @@ impl Relation<'_> {
     }
 
     /// The terms of row i, ascending by DOF.
-    pub fn sorted(&self, i: usize) -> Cow<'_, Terms> {
+    pub fn sorted(&self, i: usize) -> Cow<'_, RelationRow> {
         if let Some(OwnRow::Changed(row)) = self.own.get(self.place[i] as usize) {
             return Cow::Borrowed(row);
         }
@@ -159,7 +159,7 @@ impl Relation<'_> {
         self.row(i).entries().fold(0.0, larger)
     }
 
-    pub fn change(&mut self, i: usize, row: Terms) {
+    pub fn change(&mut self, i: usize, row: RelationRow) {
         self.set(i, OwnRow::Changed(Box::new(row)));
     }
 
