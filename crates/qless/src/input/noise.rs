@@ -31,7 +31,8 @@ const ALIKE: f64 = 16.0;
 ///
 /// - In balanced units, it is below `2^-46` (1.4e-14) of the largest coefficient of its equation.
 /// - The same holds in the user's units, and every coefficient of its component is either above `2^-20` of the largest of its equation or
-///   between `2^-60` and `2^-46` of it.
+///   between `2^-60` and `2^-46` of it, or between the squares or the cubes of these fractions: products of rounding errors, as of axes that
+///   were turned several times.
 /// - Every coefficient of its equation is small: below `2^-46` of M, and at most sixteen times the largest coefficient of the component
 ///   that is suspect by the first two rules. M is the largest coefficient of the equation's DOFs in all equations. If every coefficient
 ///   is also a multiple of the rounding unit of M (`2^-60` times the largest power of two up to M), the whole equation is suspect.
@@ -222,14 +223,13 @@ fn suspect(system: LocalSystem, exponents: &[Exponents]) -> Vec<NoiseTerm> {
     found
 }
 
-/// Coefficients as small as rounding errors of the largest of their equation, in the user's units. They count only in components in
-/// which every coefficient is either as small as this or far larger: if units mix, coefficients of other sizes occur too.
+/// Coefficients as small as rounding errors of the largest of their equation, or as products of these, in the user's units. They count only
+/// in components in which every coefficient is either as small as this or far larger: if units mix, coefficients of other sizes occur too.
 fn as_given(system: LocalSystem, spanning: &[usize]) -> Vec<NoiseTerm> {
     let labels = Labels::of(system);
     let mut may_be = vec![false; labels.count];
     spanning.iter().for_each(|&i| may_be[labels.of_row[i] as usize] = true);
     let largest = |i: usize| free(system, i).fold(0.0, |most: f64, (_, v)| most.max(v.abs()));
-    let is_rounding = |v: f64, largest: f64| v.abs() <= ldexp(largest, SUSPECT) && v.abs() >= ldexp(largest, QUANTUM);
     for (i, &label) in labels.of_row.iter().enumerate() {
         if may_be[label as usize] {
             let largest = largest(i);
@@ -242,6 +242,11 @@ fn as_given(system: LocalSystem, spanning: &[usize]) -> Vec<NoiseTerm> {
         terms(system, i).filter(move |term| is_rounding(term.coefficient, largest))
     };
     spanning.iter().filter(|&&i| may_be[labels.of_row[i] as usize]).flat_map(of).collect()
+}
+
+/// Whether a number may be a rounding error beside the largest coefficient of its equation, or the product of two or three.
+fn is_rounding(v: f64, largest: f64) -> bool {
+    (1..=3).any(|k| v.abs() <= ldexp(largest, k * SUSPECT) && v.abs() >= ldexp(largest, k * QUANTUM))
 }
 
 /// The terms of certain equations: every coefficient is at most the fraction `part` of the largest coefficient of the equation's DOFs, and

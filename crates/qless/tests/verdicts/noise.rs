@@ -121,3 +121,36 @@ fn what_loses_all_its_coefficients_may_conflict() {
         is_sure(&system(2, first, &[]), [2, 0, 1]);
     }
 }
+
+/// The product of turns by quarters and halves about axes, as floating point has it: zeros are rounding, and products of rounding.
+fn turned(turns: &[(usize, f64)]) -> [[f64; 3]; 3] {
+    let mut product = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    for &(axis, quarters) in turns {
+        let (sin, cos) = (quarters * std::f64::consts::FRAC_PI_2).sin_cos();
+        let (p, q) = ((axis + 1) % 3, (axis + 2) % 3);
+        for row in &mut product {
+            (row[p], row[q]) = (row[p] * cos + row[q] * sin, row[q] * cos - row[p] * sin);
+        }
+    }
+    product
+}
+
+/// Two nodes are tied twice along an axis: as it was turned, and as it would be without rounding.
+#[test]
+fn ties_along_turned_axes_are_the_same_or_in_doubt() {
+    let mut random = SplitMix64::new(31);
+    for _ in 0..1000 {
+        let mut next = |count: u64| random.next() % count;
+        let turns: Vec<_> = (0..=next(3)).map(|_| (next(3) as usize, [1.0, -1.0, 2.0][next(3) as usize])).collect();
+        for axis in turned(&turns) {
+            let mut builder = SystemBuilder::new(6);
+            for axis in [axis, axis.map(f64::round)] {
+                let terms = axis.iter().enumerate().filter(|(_, v)| **v != 0.0);
+                builder.equation(terms.flat_map(|(j, &v)| [(j, v), (j + 3, -v)]), 0.0);
+            }
+            let analysis = analyse(&builder.build().expect("valid"), &Options::default()).expect("small");
+            let is_told = analysis.rank() == 1 || analysis.confidence().ambiguous;
+            assert!(is_told, "{turns:?}: {axis:?} {:?}", analysis.confidence());
+        }
+    }
+}
