@@ -120,9 +120,9 @@ mod tests {
     use crate::presolve::eliminated::Mismatch;
 
     /// Sparse QR that counts its factorizations.
-    struct Counted(AtomicUsize);
+    struct CountedQr(AtomicUsize);
 
-    impl Backend for Counted {
+    impl Backend for CountedQr {
         fn name(&self) -> &'static str {
             "counted"
         }
@@ -164,7 +164,7 @@ mod tests {
     #[test]
     fn large_blocks_without_doubt_are_factored_once() {
         for (off, kept) in [(1e-2, 500), (1e-6, 500), (1e-7, 500), (1e-13, 499)] {
-            let backend = Counted(AtomicUsize::new(0));
+            let backend = CountedQr(AtomicUsize::new(0));
             let found =
                 find(&nearly_dependent(off), FactorContext::new(&backend, 1e-10, true, usize::MAX)).expect("small");
             assert_eq!((found.kept.len(), backend.0.into_inner()), (kept, 1), "off by {off:e}");
