@@ -20,4 +20,6 @@ mod dense_reference {
     mod rrqr;
     /// The systems under test.
     mod scenes;
+    /// Small numbers in certificates and equations.
+    mod small_numbers;
 }

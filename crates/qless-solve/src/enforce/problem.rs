@@ -215,3 +215,38 @@ pub fn check_redundant(analysis: &Analysis, kinds: &[Kind], rhs: &[f64], u: &[f6
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use qless::{Options, SystemBuilder, analyse};
+
+    use super::*;
+    use crate::common::random;
+
+    /// The third equation is the second one plus 1e-4 of the first to about 1e-12 of its coefficients, which leaves its rank in doubt.
+    #[test]
+    fn an_equation_in_doubt_is_refused_only_if_it_does_not_hold() {
+        for seed in 0..100 {
+            let row = |k: u64| -> Vec<f64> { (0..6).map(|j| random(100 * seed + 10 * k + j)).collect() };
+            let [first, second, off] = [0, 1, 2].map(row);
+            let both = (0..6).map(|j| 1e-4 * first[j] + second[j] + 1e-12 * off[j]).collect();
+            let mut builder = SystemBuilder::new(6);
+            for row in [&first, &second, &both] {
+                builder.equation(row.iter().copied().enumerate(), 0.0);
+            }
+            let system = builder.build().expect("valid");
+            let analysis = analyse(&system, &Options::default()).expect("small");
+            assert!(analysis.confidence().ambiguous && analysis.rank() == 2, "{seed}: {:?}", analysis.confidence());
+            let u = row(3);
+            let mut rhs = system.matrix().times(&u).expect("a number for each DOF");
+            assert_eq!(check_redundant(&analysis, analysis.kinds(), &rhs, &u), Ok(()), "{seed}");
+            // What the first equation misses, the third one misses by the same combination.
+            rhs[0] += 0.5;
+            rhs[2] += 0.5e-4;
+            assert_eq!(check_redundant(&analysis, analysis.kinds(), &rhs, &u), Ok(()), "{seed}");
+            rhs[2] += 1e-6;
+            let refused = check_redundant(&analysis, analysis.kinds(), &rhs, &u);
+            assert!(matches!(refused, Err(EnforceError::Doubtful { row: 2, .. })), "{seed}: {refused:?}");
+        }
+    }
+}

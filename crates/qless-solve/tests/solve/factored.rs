@@ -108,6 +108,20 @@ fn enforced_as_with_t(system: &ConstraintSystem, forms: &[Form]) -> Outcome {
     Ok(())
 }
 
+/// The fill that a plan foresees for a factored part is about the square of the mean length of the rows of T.
+#[test]
+fn fill_of_dense_parts_is_foreseen_without_t() -> Outcome {
+    let system = chain()?;
+    let (k, f) = (springs(system.dofs())?, loads(system.dofs()));
+    let explicit = analyse(&system, &Options::default())?.reduction_in(Form::Explicit)?;
+    let mean = explicit.t().nnz() as f64 / explicit.slaves().len() as f64;
+    let plan = Problem::new(&k, &f, &system)?.plan(10.0)?;
+    let dense = plan.iter().max_by_key(|block| block.rows.len()).ok_or("no block")?;
+    let ratio = dense.fill / (mean * mean);
+    assert!((0.25..4.0).contains(&ratio), "{} foreseen; rows of T have {mean} entries", dense.fill);
+    Ok(())
+}
+
 /// After any changes, a factored component expands as after a new analysis of the whole.
 #[test]
 fn dense_parts_change() -> Outcome {

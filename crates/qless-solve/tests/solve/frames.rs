@@ -1,10 +1,12 @@
+use std::error::Error;
+
 use qless_constraints::ConstraintSet;
 use qless_constraints::types::{Distance, Equal, LinearEquation, PlanarPoint};
-use qless_solve::equilibrium::{EquilibriumError, EquilibriumOptions, Model, Start, Target, solve};
+use qless_solve::equilibrium::{Assembly, EquilibriumError, EquilibriumOptions, Model, Start, Target, solve};
 use qless_solve::newton::{NewtonOptions, solve as assemble};
 
 use crate::equilibria::{UNITS, Weights, assert_quadratic};
-use crate::linkages::{Outcome, four_bar};
+use crate::linkages::{Outcome, four_bar, random};
 use crate::stability::Springs;
 
 /// A frame of n scissors: bars of length L from bottom i to top i + 1 and from top i to bottom i + 1, pinned in their middles. Redundant
@@ -223,6 +225,46 @@ fn threads_change_no_bit() -> Outcome {
     let one = with(1)??;
     for threads in [2, 3, 8] {
         assert!(with(threads)?? == one, "{threads} threads");
+    }
+    Ok(())
+}
+
+/// `F = z + a z^2` with complex `a` and `z = u_0 + i u_1`: the tangent is one complex number.
+struct Parabola([f64; 2]);
+
+impl Model for Parabola {
+    fn dofs(&self) -> usize {
+        2
+    }
+
+    fn pattern(&self, entry: &mut dyn FnMut(usize, usize)) {
+        (0..4).for_each(|k| entry(k / 2, k % 2));
+    }
+
+    fn assemble(&mut self, u: &[f64], out: &mut Assembly) -> Result<(), Box<dyn Error + Send + Sync>> {
+        let ([a, b], [x, y]) = (self.0, [u[0], u[1]]);
+        let [real, imaginary] = [1.0 + 2.0 * (a * x - b * y), 2.0 * (a * y + b * x)];
+        out.force(0, x + a * (x * x - y * y) - b * 2.0 * x * y);
+        out.force(1, y + b * (x * x - y * y) + a * 2.0 * x * y);
+        let slopes = [(0, 0, real), (0, 1, -imaginary), (1, 0, imaginary), (1, 1, real)];
+        slopes.into_iter().for_each(|(i, j, k)| out.stiffness(i, j, k));
+        Ok(())
+    }
+}
+
+/// The load 1 on a parabola, from rest: after steps of 1 and 1/10 fail, the length is that with the least next correction by
+/// the second order, `1 / |2 a|`, since a parabola has no third order.
+#[test]
+fn second_trial_lengths_are_those_of_the_parabola() -> Outcome {
+    for seed in 0..40 {
+        let (size, turn) = (27.0 + 20.0 * random(seed), 0.6 * random(seed + 100));
+        let mut model = Parabola([-size * turn.cos(), size * turn.sin()]);
+        let set = ConstraintSet::builder(2).build()?;
+        let target = Target { loads: &[1.0, 0.0], prescribed: &[] };
+        let options = EquilibriumOptions { iterations: 100, ..EquilibriumOptions::default() };
+        let found = solve(&mut model, &set, &Start::at_rest(&set), &target, &options)?;
+        let length = found.steps[0].iterates[1].length;
+        assert!((2.0 * size * length - 1.0).abs() < 1e-9, "a of size {size}: {length}");
     }
     Ok(())
 }

@@ -1,10 +1,13 @@
 use std::array::from_fn;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
-use qless_constraints::ConstraintSet;
+use qless_constraints::scalar::Scalar;
 use qless_constraints::types::{
     Body, Distance, Equal, LinearEquation, OnPlane, OnSphere, PlanarPoint, Plane, Point, Prescribed, RigidBody,
     Spherical, Volume,
 };
+use qless_constraints::{Constraint, ConstraintSet, EquationSink, Nonlinear};
 use qless_solve::newton::{NewtonError, NewtonOptions, NewtonSolution, solve};
 
 use crate::linkages::{Outcome, bricard, four_bar, parallelogram, random};
@@ -223,5 +226,58 @@ fn an_arm_keeps_its_length() -> Outcome {
     }
     let solution = solve(&set, &[0.3, -0.4, 0.2, 0.1, 0.5, -0.7, 0.9], &[], &NewtonOptions::default())?;
     assert_eq!(solution.redundant, [0_usize; 0]);
+    Ok(())
+}
+
+/// `c = s + s^2 / 5 - 0.3` with `s = u_0 + slope u_1`, which counts its evaluations.
+struct Counted {
+    dofs: [usize; 2],
+    slope: f64,
+    count: Arc<AtomicUsize>,
+}
+
+impl Constraint for Counted {
+    const NAME: &'static str = "counted";
+    type Error = std::convert::Infallible;
+
+    fn emit(self, sink: &mut EquationSink) -> Result<(), Self::Error> {
+        let dofs = self.dofs;
+        sink.nonlinear("", &dofs, self);
+        Ok(())
+    }
+}
+
+impl Nonlinear for Counted {
+    const EQUATION_NAMES: &'static [&'static str] = &[""];
+
+    fn value<S: Scalar>(&self, u: &[S], c: &mut [S]) {
+        let s = u[0] + S::from(self.slope) * u[1];
+        c[0] = s + S::from(0.2) * s * s - S::from(0.3);
+    }
+
+    fn value_and_jacobian(&self, u: &[f64], c: &mut [f64], g: &mut [f64]) {
+        self.count.fetch_add(1, Ordering::Relaxed);
+        self.value(u, c);
+        let along = 1.0 + 0.4 * (u[0] + self.slope * u[1]);
+        (g[0], g[1]) = (along, along * self.slope);
+    }
+}
+
+/// A full step costs two evaluations, one to try it and one at its end, also if equations are nearly dependent: other steps are tried
+/// only instead of short ones.
+#[test]
+fn full_steps_are_taken_at_once() -> Outcome {
+    for near in [0.6, 0.1, 0.05, 0.01] {
+        let count = Arc::new(AtomicUsize::new(0));
+        let mut builder = ConstraintSet::builder(3);
+        for (name, dofs, slope) in [("one", [0, 1], near), ("like it", [0, 1], -near), ("other", [1, 2], 1.0)] {
+            builder.add(name, Counted { dofs, slope, count: Arc::clone(&count) })?;
+        }
+        let set = builder.build()?;
+        count.store(0, Ordering::Relaxed);
+        let found = solve(&set, &[0.0; 3], &[], &NewtonOptions::default())?;
+        assert!(found.iterates.len() > 3 && found.iterates.iter().all(|i| i.rank == 3 && i.length == 1.0));
+        assert_eq!(count.load(Ordering::Relaxed), 3 * (2 * found.iterates.len() - 1), "{near}: {:?}", found.iterates);
+    }
     Ok(())
 }

@@ -61,3 +61,20 @@ fn a_far_rod_hides_no_conflict() -> Outcome {
     }
     Ok(())
 }
+
+/// A residual is relative to the largest terms of its part, and other parts do not count.
+#[test]
+fn residuals_are_relative_to_the_terms_of_their_part() -> Outcome {
+    for far in [1e2, 1e4, 1e6] {
+        let residual = |shared: usize| -> Outcome<f64> {
+            let mut builder = ConstraintSet::builder(5);
+            builder.add("near", LinearEquation { terms: vec![(0, 1.0), (1, -1.0)], rhs: 1e-3 })?;
+            builder.add("far", LinearEquation { terms: vec![(shared, 1.0), (3, -1.0)], rhs: 1.0 - far })?;
+            let start = [1.0, 1.0, 1.0, far, 0.0];
+            Ok(solve(&builder.build()?, &start, &[], &NewtonOptions::default())?.iterates[0].residual)
+        };
+        let ratio = residual(2)? / residual(1)? / far;
+        assert!((0.25..4.0).contains(&ratio), "terms of {far}: {ratio}");
+    }
+    Ok(())
+}

@@ -128,3 +128,34 @@ impl BlockSolver {
         self.slaves.iter().zip(x).for_each(|(&(j, exponent), x)| u[j as usize] = ldexp(x, exponent));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::common::SplitMix64;
+
+    /// `b_2 - (a / p) b_1` of whole numbers, compared in integers with the rounded quotient, product and difference.
+    #[test]
+    fn bounds_of_rounding_hold() {
+        let mut random = SplitMix64::new(1);
+        for _ in 0..10_000 {
+            let mut next = |least: u64| (least + random.next() % least) as i32;
+            let [a, p, first, second] = [next(1 << 20), next(1 << 9), next(1 << 20), next(1 << 29)];
+            let side = |value: i32| {
+                let value = f64::from(value);
+                RowRhs { rhs: value, effective: Mismatch { value, size: value, error: 0.0 } }
+            };
+            let mut found = side(second);
+            found.subtract(f64::from(a) / f64::from(p), side(first));
+            let Mismatch { value, error, .. } = found.effective;
+            // Products of factors above 1024 have no digit below 2^-52.
+            let digits = 2_f64.powi(52);
+            let truth = i128::from(second) * i128::from(p) - i128::from(a) * i128::from(first);
+            let off = (value * digits) as i128 * i128::from(p) - truth * (1 << 52);
+            assert!(
+                off.abs() as f64 <= error * f64::from(p) * digits,
+                "{second} - {a} / {p} {first}: {value}, {error:e}"
+            );
+        }
+    }
+}

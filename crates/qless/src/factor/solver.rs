@@ -289,3 +289,6 @@ fn share_steps(columns: &[SolvedColumn], empty: &mut SparseFactors<1>) -> bool {
     empty.drain_up(|_, _, _| union += 1);
     2 * union < columns.iter().map(Vec::len).sum::<usize>()
 }
+
+#[cfg(test)]
+mod tests;

@@ -257,3 +257,18 @@ impl ColumnSizes<'_> {
         ldexp(v.abs() * self.of_column[c], -self.units.dof(slave))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rounding grows with the condition, until nearly nothing would count as more than rounding.
+    #[test]
+    fn the_bound_of_zero_rows_grows_with_the_condition() {
+        assert_eq!((zero(1.0), zero(1e-12)), (NOISE, ZERO_LIMIT));
+        for sigma in [1e-2, 1e-4, 1e-5] {
+            let condition = zero(sigma) / zero(0.1 * sigma);
+            assert!((condition - 0.1).abs() < 1e-12, "{sigma:e}: {condition}");
+        }
+    }
+}

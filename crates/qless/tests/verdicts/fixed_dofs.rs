@@ -103,3 +103,30 @@ fn a_computed_zero_that_is_all_that_a_dof_has_is_told() {
         assert_eq!((analysis.rank(), analysis.confidence().ambiguous), (rank, false), "{noise:?}");
     }
 }
+
+/// `u_s = sum_i y_i row_i` of dense equations with coefficients over twelve decades, which are given twice: DOF s is fixed although it is in
+/// one equation only, and no other DOF is.
+#[test]
+fn a_dof_that_sums_of_equations_hold_is_fixed() {
+    let mut sure = 0;
+    for seed in 0..300 {
+        let mut random = SplitMix64::new(seed);
+        let (m, n) = (2 + below(&mut random, 3), 6);
+        let mut value = || (1 + below(&mut random, 9)) as f64 * 2_f64.powi(below(&mut random, 41) as i32 - 20);
+        let rows: Vec<Vec<f64>> = (0..m).map(|_| (0..n).map(|_| value()).collect()).collect();
+        let mut builder = SystemBuilder::new(n + 1);
+        for row in rows.iter().chain(&rows) {
+            builder.equation(row.iter().copied().enumerate(), 0.0);
+        }
+        let sum = |j: usize| rows.iter().map(|row| row[j]).sum::<f64>();
+        builder.equation((0..n).map(|j| (j, sum(j))).chain([(n, 1.0)]), 0.0);
+        each(&builder.build().expect("valid"), |analysis, name| {
+            assert_eq!(analysis.rank(), m + 1, "{seed}, {name}");
+            if !analysis.confidence().ambiguous {
+                assert_eq!(analysis.generated(), [(n, 0.0)], "{seed}, {name}");
+                sure += 1;
+            }
+        });
+    }
+    assert!(sure > 2000, "{sure}");
+}

@@ -211,4 +211,19 @@ mod tests {
             assert_eq!(weak.columns, [0; 0]);
         }
     }
+
+    /// Singular values 1, 1/2, 1/4, ...: none is far smaller than all others.
+    #[test]
+    fn singular_values_near_the_limit_are_told_apart() {
+        for count in [1, 5, 8, 20, 33] {
+            let mut r = Csr::empty(41);
+            (0..41).for_each(|i| r.append([(i, 0.5_f64.powi(i as i32))]));
+            let factor =
+                Factor { rank: 41, order: (0..41).collect(), r, rhs: Vec::new(), rest: Vec::new(), dropped: 0.0 };
+            let limit = 0.7 * 0.5_f64.powi(40 - count);
+            let mut weak = factor.weak_columns(limit, 0).expect("a small dense QR").expect("not too many").columns;
+            weak.sort_unstable();
+            assert_eq!(weak, (41 - count as usize..41).collect::<Vec<_>>());
+        }
+    }
 }

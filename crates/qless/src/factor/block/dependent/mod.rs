@@ -107,3 +107,67 @@ fn repair(block: &Block, means: FactorContext, mut choice: Choice, order: Vec<us
         choice = Choice::of(block, &kept, &dropped, means)?;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    use super::*;
+    use crate::Csr;
+    use crate::common::random::signed;
+    use crate::factor::backend::Factor;
+    use crate::factor::backend::sparse::Sparse;
+    use crate::presolve::eliminated::Mismatch;
+
+    /// Sparse QR that counts its factorizations.
+    struct CountedQr(AtomicUsize);
+
+    impl Backend for CountedQr {
+        fn name(&self) -> &'static str {
+            "counted"
+        }
+
+        fn version(&self) -> String {
+            String::new()
+        }
+
+        fn factor(&self, columns: &Csr, rhs: &[f64], tolerance: f64) -> Result<Factor, BackendError> {
+            self.0.fetch_add(1, Ordering::Relaxed);
+            Sparse { memory: usize::MAX }.factor(columns, rhs, tolerance)
+        }
+    }
+
+    /// A block of more than [`DENSE`] numbers, most of them zero; its last row is the first one up to `off`.
+    fn nearly_dependent(off: f64) -> Block {
+        let (m, n) = (500_usize, 2200);
+        let row = |i: usize| (4 * i..4 * i + 6).map(move |j| (j, signed(i as u64, j as u64)));
+        let mut matrix = Csr::empty(n);
+        (0..m - 1).for_each(|i| matrix.append(row(i)));
+        matrix.append(row(0).map(|(j, v)| (j, v * (1.0 + off * signed(7, j as u64)))));
+        Block {
+            rows: (0..m as u32).collect(),
+            exponents: vec![0; m],
+            dofs: (0..n as u32).collect(),
+            units: vec![0; n],
+            balanced: vec![0; n],
+            matrix,
+            prescribed: Vec::new(),
+            fixed: Csr { cols: 0, start: vec![0; m + 1], col: Vec::new(), val: Vec::new() },
+            rhs: vec![0.0; m],
+            effective: vec![vec![Mismatch::default(); m]],
+            certain: vec![1.0; m],
+            random: vec![vec![0.5; m]],
+        }
+    }
+
+    /// If the smallest singular value is far above the tolerance, no row is sought that should be dropped.
+    #[test]
+    fn large_blocks_without_doubt_are_factored_once() {
+        for (off, kept) in [(1e-2, 500), (1e-6, 500), (1e-7, 500), (1e-13, 499)] {
+            let backend = CountedQr(AtomicUsize::new(0));
+            let found =
+                find(&nearly_dependent(off), FactorContext::new(&backend, 1e-10, true, usize::MAX)).expect("small");
+            assert_eq!((found.kept.len(), backend.0.into_inner()), (kept, 1), "off by {off:e}");
+        }
+    }
+}
