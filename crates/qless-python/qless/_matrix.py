@@ -44,8 +44,33 @@ def doubles(values: Any, shape: tuple[int, ...] | None = None) -> np.ndarray:
     return values if shape is None or values.shape == shape else np.array(np.broadcast_to(values, shape))
 
 
+def right_hand_sides(b: Any) -> np.ndarray:
+    """b as f64, a number for each equation."""
+    if is_sparse(b):
+        raise InputError("b is sparse; give an array with a number for each equation")
+    b = doubles(b)
+    if b.ndim != 1:
+        raise InputError(f"b is an array of shape {b.shape}; give one with a number for each equation")
+    return b
+
+
+def check_indices(matrix: Any) -> None:
+    """Raises :class:`InputError` for indices outside the matrix, which the conversions of scipy trust."""
+    kind = getattr(matrix, "format", "")
+    try:
+        if kind in ("csc", "bsr"):
+            matrix.check_format(full_check=True)
+        indices = (("row", matrix.row), ("column", matrix.col)) if kind == "coo" else ()
+        for (name, index), count in zip(indices, matrix.shape, strict=False):
+            if index.size and not (index.min() >= 0 and index.max() < count):
+                raise ValueError(f"{name} indices are {index.min()} to {index.max()}, but there are {count} {name}s")
+    except ValueError as error:
+        raise InputError(f"the {kind.upper()} matrix is not valid: {error}") from None
+
+
 def csr_arrays(matrix: Any) -> Arrays:
     """Compressed rows of a matrix of scipy.sparse, without a copy if it already has this form and type."""
+    check_indices(matrix)
     rows = matrix.tocsr()
     return integers(rows.indptr), integers(rows.indices), floats(rows.data)
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from . import _qless, _reasons, _report
 from ._errors import Conflict, InputError
-from ._matrix import csr, doubles, floats, integers, is_sparse, system
+from ._matrix import csr, doubles, floats, integers, is_sparse, right_hand_sides, system
 from ._reasons import Reason, Repair
 
 
@@ -366,7 +366,7 @@ class Result:
         Slaves and T stay, and g is computed again. Raises :class:`Conflict` if equations conflict now; nothing has changed then.
         """
         elimination = self._elimination
-        rhs = elimination.rhs() if b is None else doubles(b)
+        rhs = elimination.rhs() if b is None else right_hand_sides(b)
         try:
             elimination.update(rhs, self._values(prescribed))
         except Conflict as error:
@@ -393,7 +393,7 @@ class Result:
         sides = self._sides()
         dofs, values = sides["prescribed"]
         if b is not None:
-            sides["rhs"] = doubles(b)
+            sides["rhs"] = right_hand_sides(b)
         if prescribed is not None:
             new = prescribed if isinstance(prescribed, Mapping) else dict(zip(dofs.tolist(), doubles(prescribed), strict=True))
             for dof in new.keys() - set(dofs.tolist()):
@@ -466,7 +466,7 @@ def make(
     if type(C).__module__ == "qless._qless":
         return Result(C, options)
     sides = {
-        "rhs": None if b is None else doubles(b),
+        "rhs": None if b is None else right_hand_sides(b),
         "prescribed": pairs(prescribed),
         "labels": None if labels is None else list(map(str, labels)),
         "dof_labels": None if dof_labels is None else list(map(str, dof_labels)),
@@ -479,6 +479,9 @@ def pairs(prescribed: Any) -> tuple[np.ndarray, np.ndarray] | None:
     if prescribed is None:
         return None
     is_mapping = isinstance(prescribed, Mapping)
+    # A list of two numbers may be two DOFs, or a DOF and its value.
+    if not is_mapping and (len(prescribed) != 2 or isinstance(prescribed, list) and np.ndim(prescribed[0]) == 0):
+        raise InputError("prescribed is neither {DOF: value, ...} nor a pair (DOFs, values)")
     given, values = (list(prescribed.keys()), list(prescribed.values())) if is_mapping else prescribed
     dofs = np.ravel(integers(given)).astype(np.int64)
     return dofs, doubles(values, dofs.shape) if np.ndim(values) == 0 else np.ravel(doubles(values))

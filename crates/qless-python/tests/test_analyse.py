@@ -63,7 +63,12 @@ def test_conflicts_carry_rows_and_explanations():
         (lambda: qless.analyse([[1, np.nan]], labels=["weld"]), 'row 0, DOF 1 is NaN.*row 0 is "weld"'),
         (lambda: qless.analyse(C, [0, np.inf, 0]), "right-hand side of row 1 is inf"),
         (lambda: qless.analyse(C, [0, 0]), "3"),
+        (lambda: qless.analyse(C, [[0], [0], [0]]), r"shape \(3, 1\)"),
+        (lambda: qless.analyse(C, 0.5), r"shape \(\)"),
+        (lambda: qless.analyse(C, sp.csr_array(np.zeros((3, 1)))), "sparse"),
         (lambda: qless.analyse(C, prescribed={7: 0.0}), "DOF 7"),
+        (lambda: qless.analyse(C, prescribed=[0, 1]), "neither"),
+        (lambda: qless.analyse(C, prescribed=[0, 1, 2]), "neither"),
         (lambda: qless.analyse(C, prescribed={-1: 0.0}), "-1"),
         (lambda: qless.analyse(C, prescribed=([1, 1], [0.0, 2.0])), "prescribed twice"),
         (lambda: qless.analyse(C, tolerance=2.0), "tolerance"),
@@ -83,6 +88,18 @@ def test_conflicts_carry_rows_and_explanations():
 def test_bad_input_is_named(call, message):
     with pytest.raises(qless.InputError, match=message):
         call()
+
+
+@pytest.mark.parametrize("bad", [-1, 3, 100_000_000])
+@pytest.mark.parametrize("kind", ["csc", "coo", "bsr"])
+def test_indices_outside_a_sparse_matrix_are_named(kind, bad):
+    broken = sp.csr_array(C).asformat(kind)
+    if kind == "coo":
+        broken.row[0] = bad
+    else:
+        broken.indices[0] = bad
+    with pytest.raises(qless.InputError, match=f"{kind.upper()} matrix is not valid"):
+        qless.analyse(broken)
 
 
 def test_an_error_names_row_and_dof():

@@ -18,7 +18,7 @@
 
 use rayon::prelude::*;
 
-use super::dependent::Rows;
+use super::dependent::{Rows, noise_of};
 use super::gathered::Block;
 use super::triangle::Triangle;
 use crate::factor::backend::many::{Slab, WIDTH};
@@ -113,8 +113,8 @@ struct Unexplained {
 pub(super) struct Explained {
     /// Number of dropped rows that are no combination: their error `e_k` is above [`SUSPECT`].
     pub unexplained: usize,
-    /// True if the errors of all dropped rows are rounding errors of the terms at each DOF. Certificates over rows at a distance d from
-    /// dependence have errors of `u / d`.
+    /// True if the errors of all known certificates are rounding errors of the terms at each DOF. Certificates over rows at a distance d
+    /// from dependence have errors of `u / d`.
     pub is_exact: bool,
 }
 
@@ -131,14 +131,10 @@ pub(super) fn unexplained(block: &Block, rows: &mut Rows, moves: &[Vec<f64>; 2])
                 d.dropped = d.dropped.max(*left);
             }
             if ratio <= SUSPECT {
-                return (ratio > rounding).then_some(None);
+                return None;
             }
         }
-        let own = |&(row, y): &(u32, f64)| {
-            let i = block.rows.binary_search(&row).ok()?;
-            Some((i, ldexp(y, block.exponents[k] - block.exponents[i])))
-        };
-        let certificate: Vec<(usize, f64)> = d.because.terms().iter().filter_map(own).collect();
+        let certificate = certificate(block, k, d);
         let error = rest.error(block, k, &certificate);
         let unexplained = (error > SUSPECT).then_some(Unexplained { place, k, certificate, error, is_open: true });
         (error > rounding).then_some(unexplained)
@@ -149,6 +145,29 @@ pub(super) fn unexplained(block: &Block, rows: &mut Rows, moves: &[Vec<f64>; 2])
     found.par_chunks_mut(WIDTH).for_each_init(new, |rest, some| refine(block, triangle, rest, some));
     found.iter().for_each(|row| write(block, &mut dependent[row.place], row));
     Explained { unexplained: found.iter().filter(|row| row.error > SUSPECT).count(), is_exact }
+}
+
+/// The terms of the certificate of row k: rows of the block with their coefficients.
+fn certificate(block: &Block, k: usize, d: &BlockDependent) -> Vec<(usize, f64)> {
+    let own = |&(row, y): &(u32, f64)| {
+        let i = block.rows.binary_search(&row).ok()?;
+        Some((i, ldexp(y, block.exponents[k] - block.exponents[i])))
+    };
+    d.because.terms().iter().filter_map(own).collect()
+}
+
+/// Returns true if in the units of this block a dropped row with a known certificate leaves more than rounding.
+pub(super) fn leaves_more_than_rounding(block: &Block, rows: &Rows) -> bool {
+    let new = || Rest::new(block.matrix.cols, rows.nearness.sigma);
+    let leaves = |rest: &mut Rest, d: &BlockDependent| {
+        let Ok(k) = block.rows.binary_search(&d.row) else { return false };
+        let certificate = certificate(block, k, d);
+        rest.error(block, k, &certificate);
+        let left = rest.touched.iter().fold(0.0, |most: f64, &j| most.max(rest.left[j].abs()));
+        left > noise_of(block) * certificate.iter().fold(1.0, |most: f64, (_, y)| most.max(y.abs()))
+    };
+    let known = rows.dependent.par_iter().filter(|d| matches!(d.because, BlockCertificate::Known(_)));
+    known.map_init(new, leaves).any(|leaves| leaves)
 }
 
 /// Writes a refined certificate, its mismatches and its remainder.
