@@ -45,8 +45,6 @@ pub(crate) struct FactorContext<'a> {
     pub tolerance: f64,
     /// True if the rank is checked.
     pub check: bool,
-    /// True if the unit of no number matters: unless the tolerance is absolute, or errors are stated in the user's units.
-    pub is_scaled: bool,
     /// The backend that computes singular values if `backend` is not orthogonal.
     pub reference: DenseOrSparse,
 }
@@ -54,7 +52,7 @@ pub(crate) struct FactorContext<'a> {
 impl<'a> FactorContext<'a> {
     /// `memory` bounds the bytes that [`FactorContext::reference`] may allocate for a block.
     pub fn new(backend: &'a dyn Backend, tolerance: f64, check: bool, memory: usize) -> Self {
-        Self { backend, tolerance, check, is_scaled: true, reference: DenseOrSparse::new(memory) }
+        Self { backend, tolerance, check, reference: DenseOrSparse::new(memory) }
     }
 
     /// A backend whose triangular factor has the singular values of the block.
@@ -139,29 +137,10 @@ impl Block {
         if self.units.iter().all(|&unit| unit == 0) {
             return;
         }
-        self.balanced.clone_from(&self.units);
-        self.set_units(vec![0; self.units.len()]);
-    }
-
-    /// Takes the matrix to balanced units, however near those of the user are; false if it is in these units already.
-    pub fn balance(&mut self) -> bool {
-        let terms = |i: u32| self.matrix.row(i as usize).filter(|&(_, v)| v != 0.0);
-        let count = self.dofs.len();
-        let component = Component::gather((0..self.rows.len() as u32).collect(), terms, &mut vec![0; count]);
-        let units = in_range(&component, component.units_beyond(0.0), count);
-        let is_new = units.iter().any(|&unit| unit != 0);
-        if is_new {
-            self.set_units(units);
-        }
-        is_new
-    }
-
-    /// Takes the matrix to other units of the DOFs, each row scaled to a largest coefficient of 1.
-    pub fn set_units(&mut self, units: Vec<i32>) {
         for i in 0..self.matrix.rows() {
             let range = self.matrix.start[i]..self.matrix.start[i + 1];
             let (dofs, values) = (&self.matrix.col[range.clone()], &mut self.matrix.val[range]);
-            values.iter_mut().zip(dofs).for_each(|(v, &j)| *v = ldexp(*v, units[j as usize] - self.units[j as usize]));
+            values.iter_mut().zip(dofs).for_each(|(v, &j)| *v = ldexp(*v, -self.units[j as usize]));
             let largest = values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
             let shift = if largest > 0.0 { -exponent(largest) } else { 0 };
             values.iter_mut().for_each(|v| *v = ldexp(*v, shift));
@@ -172,7 +151,8 @@ impl Block {
             self.random.iter_mut().for_each(|sides| sides[i] = ldexp(sides[i], shift));
             self.exponents[i] += shift;
         }
-        self.units = units;
+        self.balanced.clone_from(&self.units);
+        self.units.fill(0);
     }
 
     /// The exponent of the power of two that scales a row to a largest coefficient of about 1 in balanced units.
@@ -214,13 +194,9 @@ fn balanced_units(rows: &[WorkingRow], block: &[u32], place: &[u32], count: usiz
         placed.filter(|&(j, _)| j < count)
     };
     let component = Component::gather(block.to_vec(), terms, &mut vec![0; count]);
-    in_range(&component, component.units(), count)
-}
-
-/// The exponents of the units of all DOFs of a block; if balanced numbers might leave the range of doubles, those of the user: 0.
-fn in_range(component: &Component, found: Option<Vec<i32>>, count: usize) -> Vec<i32> {
     let mut units = vec![0; count];
-    if let Some(found) = found.filter(|found| found.iter().all(|unit| unit.abs() < RANGE)) {
+    // If balanced numbers might leave the range of doubles, the user's units are kept.
+    if let Some(found) = component.units().filter(|found| found.iter().all(|unit| unit.abs() < RANGE)) {
         component.dofs.iter().zip(found).for_each(|(&j, unit)| units[j as usize] = unit);
     }
     units
