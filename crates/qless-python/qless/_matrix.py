@@ -25,7 +25,10 @@ def floats(values: Any) -> np.ndarray:
         raise InputError("complex numbers are not supported; give the real and the imaginary equations")
     if values.dtype == np.float64 or values.dtype == np.float32:
         return values
-    return values.astype(np.float64)
+    try:
+        return values.astype(np.float64)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InputError(f"these are no real numbers: {error}") from None
 
 
 def integers(values: Any) -> np.ndarray:
@@ -78,6 +81,8 @@ def csr_arrays(matrix: Any) -> Arrays:
 def system(matrix: Any, sides: dict[str, Any]) -> _qless.System:
     """The validated system of C and its other data: b, prescribed DOFs and labels."""
     if is_sparse(matrix):
+        if len(matrix.shape) != 2:
+            raise InputError(f"the matrix has {len(matrix.shape)} dimension; give C as an m x n matrix")
         return _qless.system_from_rows(matrix.shape[1], csr_arrays(matrix), sides)
     if isinstance(matrix, tuple) and len(matrix) == 2:
         arrays, dofs = matrix

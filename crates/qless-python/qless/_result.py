@@ -479,9 +479,14 @@ def pairs(prescribed: Any) -> tuple[np.ndarray, np.ndarray] | None:
     if prescribed is None:
         return None
     is_mapping = isinstance(prescribed, Mapping)
-    # A list of two numbers may be two DOFs, or a DOF and its value.
-    if not is_mapping and (len(prescribed) != 2 or isinstance(prescribed, list) and np.ndim(prescribed[0]) == 0):
-        raise InputError("prescribed is neither {DOF: value, ...} nor a pair (DOFs, values)")
-    given, values = (list(prescribed.keys()), list(prescribed.values())) if is_mapping else prescribed
+    given, values = (list(prescribed.keys()), list(prescribed.values())) if is_mapping else two_lists(prescribed)
     dofs = np.ravel(integers(given)).astype(np.int64)
     return dofs, doubles(values, dofs.shape) if np.ndim(values) == 0 else np.ravel(doubles(values))
+
+
+def two_lists(prescribed: Any) -> tuple[Any, Any]:
+    """Prescribed DOFs and values from a pair. A list of two numbers is none: it may be two DOFs, or a DOF and its value."""
+    pair = list(prescribed) if np.iterable(prescribed) else []
+    if len(pair) != 2 or (isinstance(prescribed, list) and np.ndim(pair[0]) == 0):
+        raise InputError("prescribed is neither {DOF: value, ...} nor a pair (DOFs, values)")
+    return pair[0], pair[1]

@@ -244,7 +244,8 @@ fn as_given(system: LocalSystem, spanning: &[usize]) -> Vec<NoiseTerm> {
     spanning.iter().filter(|&&i| may_be[labels.of_row[i] as usize]).flat_map(of).collect()
 }
 
-/// Whether a number may be a rounding error beside the largest coefficient of its equation, or the product of two or three.
+/// Whether a number may be a rounding error beside the largest coefficient of its equation, or the product of two or three: axes that were
+/// turned by three angles hold products of three.
 fn is_rounding(v: f64, largest: f64) -> bool {
     (1..=3).any(|k| v.abs() <= ldexp(largest, k * SUSPECT) && v.abs() >= ldexp(largest, k * QUANTUM))
 }
