@@ -115,6 +115,32 @@ fn equations_that_grow_when_substituted() {
     }
 }
 
+/// Two equations and a combination of them with a relative change of 1e-9 or 1e-10 in one coefficient, with DOFs in other units.
+#[test]
+fn a_small_difference_of_one_coefficient_is_not_dropped_without_doubt_in_any_unit() {
+    let mut random = SplitMix64::new(23);
+    for seed in 0..300 {
+        let mut digit = || (1 + below(&mut random, 5)) as f64 * if below(&mut random, 2) == 0 { 1.0 } else { -1.0 };
+        let rows = [(); 2].map(|()| [(); 3].map(|()| digit()));
+        let mut last = [0, 1, 2].map(|j| rows[0][j] - 2.0 * rows[1][j]);
+        let changed = seed % 3;
+        let others = [(changed + 1) % 3, (changed + 2) % 3];
+        if last[changed] == 0.0 || rows[0][others[0]] * rows[1][others[1]] == rows[0][others[1]] * rows[1][others[0]] {
+            continue;
+        }
+        last[changed] *= 1.0 + 10f64.powi(-9 - (seed / 3 % 2) as i32);
+        let units = [(); 3].map(|()| 2f64.powi(below(&mut random, 13) as i32 - 6));
+        let mut builder = SystemBuilder::new(3);
+        for row in [rows[0], last, rows[1]] {
+            builder.equation((0..3).map(|j| (j, row[j] * units[j])), 0.0);
+        }
+        each(&builder.build().expect("valid"), |analysis, name| {
+            let is_right = analysis.rank() == 3 || analysis.confidence().ambiguous;
+            assert!(is_right, "{seed}, {name}: {rows:?} {last:?} {units:?} {:?}", analysis.confidence());
+        });
+    }
+}
+
 /// `0 = b` is a conflict if b was typed, however small it is beside other right-hand sides; a computed b may be rounding of them.
 #[test]
 fn an_equation_without_coefficients_has_no_unit() {

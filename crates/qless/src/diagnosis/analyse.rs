@@ -75,7 +75,10 @@ pub(super) fn read(
         rule: &rule,
         tolerance: options.tolerance,
         absent: &BTreeSet::new(),
-        context: FactorContext::new(backend.as_ref(), rule.tolerance, options.effort.checks(), options.memory),
+        context: FactorContext {
+            is_scaled: !options.tolerance.is_absolute() && floors.is_none(),
+            ..FactorContext::new(backend.as_ref(), rule.tolerance, options.effort.checks(), options.memory)
+        },
         started,
     };
     let first = pipeline.run_verified(options.presolve)?;

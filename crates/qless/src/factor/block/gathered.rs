@@ -45,6 +45,8 @@ pub(crate) struct FactorContext<'a> {
     pub tolerance: f64,
     /// True if the rank is checked.
     pub check: bool,
+    /// True if the unit of no number matters: unless the tolerance is absolute, or errors are stated in the user's units.
+    pub is_scaled: bool,
     /// The backend that computes singular values if `backend` is not orthogonal.
     pub reference: DenseOrSparse,
 }
@@ -52,7 +54,7 @@ pub(crate) struct FactorContext<'a> {
 impl<'a> FactorContext<'a> {
     /// `memory` bounds the bytes that [`FactorContext::reference`] may allocate for a block.
     pub fn new(backend: &'a dyn Backend, tolerance: f64, check: bool, memory: usize) -> Self {
-        Self { backend, tolerance, check, reference: DenseOrSparse::new(memory) }
+        Self { backend, tolerance, check, is_scaled: true, reference: DenseOrSparse::new(memory) }
     }
 
     /// A backend whose triangular factor has the singular values of the block.
@@ -131,18 +133,42 @@ impl Block {
         self.random = vec![self.rows.iter().zip(&self.exponents).map(scaled).collect()];
     }
 
-    /// Returns from balanced units to those of the rows, each row scaled to a largest coefficient of 1. Slaves are chosen, and reductions
-    /// computed, in these units.
+    /// Returns from balanced units to those of the rows. Slaves are chosen, and reductions computed, in these units.
     pub fn restore_units(&mut self) {
         if self.units.iter().all(|&unit| unit == 0) {
             return;
         }
+        self.balanced.clone_from(&self.units);
+        self.set_units(vec![0; self.units.len()]);
+    }
+
+    /// Takes the matrix to balanced units that are near those of its rows; false if it is in these units already.
+    pub fn balance(&mut self) -> bool {
+        let terms = |i: u32| self.matrix.row(i as usize).filter(|&(_, v)| v != 0.0);
+        let count = self.dofs.len();
+        let component = Component::gather((0..self.rows.len() as u32).collect(), terms, &mut vec![0; count]);
+        let mut units = vec![0; count];
+        component.dofs.iter().zip(component.near_units()).for_each(|(&j, unit)| units[j as usize] = unit);
+        let is_new = units.iter().any(|&unit| unit != 0);
+        if is_new {
+            self.set_units(units);
+        }
+        is_new
+    }
+
+    /// Takes the matrix to other units of the DOFs. The largest coefficient of each row keeps its exponent, which is small in a row that
+    /// presolve left by cancellation.
+    pub fn set_units(&mut self, units: Vec<i32>) {
+        let power = |values: &[f64]| {
+            let largest = values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+            if largest > 0.0 { exponent(largest) } else { 0 }
+        };
         for i in 0..self.matrix.rows() {
             let range = self.matrix.start[i]..self.matrix.start[i + 1];
             let (dofs, values) = (&self.matrix.col[range.clone()], &mut self.matrix.val[range]);
-            values.iter_mut().zip(dofs).for_each(|(v, &j)| *v = ldexp(*v, -self.units[j as usize]));
-            let largest = values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
-            let shift = if largest > 0.0 { -exponent(largest) } else { 0 };
+            let before = power(values);
+            values.iter_mut().zip(dofs).for_each(|(v, &j)| *v = ldexp(*v, units[j as usize] - self.units[j as usize]));
+            let shift = before - power(values);
             values.iter_mut().for_each(|v| *v = ldexp(*v, shift));
             let range = self.fixed.start[i]..self.fixed.start[i + 1];
             self.fixed.val[range].iter_mut().for_each(|v| *v = ldexp(*v, shift));
@@ -151,8 +177,7 @@ impl Block {
             self.random.iter_mut().for_each(|sides| sides[i] = ldexp(sides[i], shift));
             self.exponents[i] += shift;
         }
-        self.balanced.clone_from(&self.units);
-        self.units.fill(0);
+        self.units = units;
     }
 
     /// The exponent of the power of two that scales a row to a largest coefficient of about 1 in balanced units.

@@ -15,7 +15,7 @@ mod unexplained;
 use crate::factor::backend::BackendError;
 use dependent::Rows;
 use triangle::{BlockVectors, Triangle};
-use unexplained::unexplained;
+use unexplained::{Explained, leaves_more_than_rounding, unexplained};
 
 pub(crate) use gathered::{Block, FactorContext};
 pub(crate) use twins::diagnose_all;
@@ -28,16 +28,34 @@ struct Found {
 
 /// Finds which rows of a block depend on which, and how its DOFs can move.
 ///
-/// The block is diagnosed in balanced units first. If this drops rows that are no combinations of others, the block is diagnosed again in
-/// the units of its rows, and the result that keeps more rows is used. In balanced units the rotations of a motion can be so large that
-/// DOFs with smaller motions seem fixed. If a DOF seems fixed, the motions are computed in the units of the rows too, and those with fewer
+/// The block is diagnosed in balanced units first, or in the units of its rows if these are near. What remains of a dropped row beside the
+/// largest coefficients of the row then depends on the units; so if more than rounding remains in balanced units, the block is diagnosed
+/// again in these. If a diagnosis in balanced units drops rows that are no combinations of others, the block is diagnosed again in the
+/// units of its rows, and the result that keeps more rows is used. In balanced units the rotations of a motion can be so large that DOFs
+/// with smaller motions seem fixed. If a DOF seems fixed, the motions are computed in the units of the rows too, and those with fewer
 /// fixed DOFs are used.
 fn diagnose(block: &mut Block, means: FactorContext) -> Result<Found, BackendError> {
     let mut rows = dependent::find(block, means)?;
     let mut vectors = rows.triangle.vectors(block);
-    let left = if means.check { unexplained(block, &mut rows, &vectors.motions.moves) } else { 0 };
+    let all = Explained { unexplained: 0, is_exact: true };
+    let found = if means.check { unexplained(block, &mut rows, &vectors.motions.moves) } else { all };
     let is_balanced = block.units.iter().any(|&unit| unit != 0);
-    if is_balanced && left > 0 {
+    if !found.is_exact && !is_balanced && means.is_scaled {
+        let mut balanced = block.clone();
+        if balanced.balance() && leaves_more_than_rounding(&balanced, &rows) {
+            let other = diagnose(&mut balanced, means)?;
+            // Rows that are nearer to the others than the tolerance stay dropped.
+            if other.rows.kept.len() == rows.kept.len() || other.rows.nearness.distance > means.tolerance {
+                *block = balanced;
+                return Ok(other);
+            }
+            let Rows { kept, nearness, .. } = &other.rows;
+            let is_added = |row: u32| kept.iter().any(|&i| block.rows[i] == row);
+            let added = rows.dependent.iter_mut().filter(|d| is_added(d.row));
+            added.for_each(|d| d.dropped = d.dropped.max(nearness.distance));
+        }
+    }
+    if is_balanced && found.unexplained > 0 {
         let mut plain = block.clone();
         plain.restore_units();
         let mut other = dependent::find(&plain, means)?;

@@ -127,8 +127,12 @@ fn translated(
     (units, found): &(Vec<i32>, Found),
 ) -> (Diagnosed, Triangle) {
     let Found { rows, vectors: BlockVectors { motions, solutions } } = found;
-    if columns.iter().zip(units).any(|(&j, &unit)| block.units[j] != unit) {
+    let mut of_block = vec![0; units.len()];
+    columns.iter().zip(units).for_each(|(&j, &unit)| of_block[j] = unit);
+    if of_block.iter().all(|&unit| unit == 0) {
         block.restore_units();
+    } else if of_block != block.units {
+        block.set_units(of_block);
     }
     let own = |common: &Vec<f64>| {
         let mut own = vec![0.0; common.len()];

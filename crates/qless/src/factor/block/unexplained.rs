@@ -18,7 +18,7 @@
 
 use rayon::prelude::*;
 
-use super::dependent::Rows;
+use super::dependent::{Rows, noise_of};
 use super::gathered::Block;
 use super::triangle::Triangle;
 use crate::factor::backend::many::{Slab, WIDTH};
@@ -27,7 +27,7 @@ use crate::presolve::basis::{BlockCertificate, BlockDependent};
 use crate::presolve::eliminate::SUSPECT;
 use crate::presolve::eliminated::Mismatch;
 
-/// A product of a row with a null-space vector counts as rounding up to this fraction of its terms.
+/// A product of a row with a null-space vector, and a remainder at a DOF, count as rounding up to this fraction of their terms.
 const NOISE: f64 = 64.0 * f64::EPSILON;
 /// Largest number of refinements of a certificate.
 const REFINEMENTS: usize = 2;
@@ -109,10 +109,19 @@ struct Unexplained {
     is_open: bool,
 }
 
+/// How well the dropped rows are combinations of the kept ones.
+pub(super) struct Explained {
+    /// Number of dropped rows that are no combination: their error `e_k` is above [`SUSPECT`].
+    pub unexplained: usize,
+    /// True if the errors of all known certificates are rounding errors of the terms at each DOF. Certificates over rows at a distance d
+    /// from dependence have errors of `u / d`.
+    pub is_exact: bool,
+}
+
 /// Refines certificates with an error `e_k` above [`SUSPECT`]. If the error stays above, it becomes the `dropped` remainder of the row.
-/// Returns the number of such rows.
-pub(super) fn unexplained(block: &Block, rows: &mut Rows, moves: &[Vec<f64>; 2]) -> usize {
+pub(super) fn unexplained(block: &Block, rows: &mut Rows, moves: &[Vec<f64>; 2]) -> Explained {
     let Rows { dependent, triangle, left, nearness, .. } = rows;
+    let rounding = (NOISE / nearness.distance.min(1.0)).min(SUSPECT);
     let new = || Rest::new(block.matrix.cols, nearness.sigma);
     let found = dependent.par_iter_mut().enumerate().map_init(new, |rest, (place, d)| {
         let k = block.rows.binary_search(&d.row).ok()?;
@@ -125,18 +134,40 @@ pub(super) fn unexplained(block: &Block, rows: &mut Rows, moves: &[Vec<f64>; 2])
                 return None;
             }
         }
-        let own = |&(row, y): &(u32, f64)| {
-            let i = block.rows.binary_search(&row).ok()?;
-            Some((i, ldexp(y, block.exponents[k] - block.exponents[i])))
-        };
-        let certificate: Vec<(usize, f64)> = d.because.terms().iter().filter_map(own).collect();
+        let certificate = certificate(block, k, d);
         let error = rest.error(block, k, &certificate);
-        (error > SUSPECT).then_some(Unexplained { place, k, certificate, error, is_open: true })
+        let unexplained = (error > SUSPECT).then_some(Unexplained { place, k, certificate, error, is_open: true });
+        (error > rounding).then_some(unexplained)
     });
-    let mut found: Vec<Unexplained> = found.flatten().collect();
+    let inexact: Vec<Option<Unexplained>> = found.flatten().collect();
+    let is_exact = inexact.is_empty();
+    let mut found: Vec<Unexplained> = inexact.into_iter().flatten().collect();
     found.par_chunks_mut(WIDTH).for_each_init(new, |rest, some| refine(block, triangle, rest, some));
     found.iter().for_each(|row| write(block, &mut dependent[row.place], row));
-    found.iter().filter(|row| row.error > SUSPECT).count()
+    Explained { unexplained: found.iter().filter(|row| row.error > SUSPECT).count(), is_exact }
+}
+
+/// The terms of the certificate of row k: rows of the block with their coefficients.
+fn certificate(block: &Block, k: usize, d: &BlockDependent) -> Vec<(usize, f64)> {
+    let own = |&(row, y): &(u32, f64)| {
+        let i = block.rows.binary_search(&row).ok()?;
+        Some((i, ldexp(y, block.exponents[k] - block.exponents[i])))
+    };
+    d.because.terms().iter().filter_map(own).collect()
+}
+
+/// Returns true if in the units of this block a dropped row with a known certificate leaves more than rounding.
+pub(super) fn leaves_more_than_rounding(block: &Block, rows: &Rows) -> bool {
+    let new = || Rest::new(block.matrix.cols, rows.nearness.sigma);
+    let leaves = |rest: &mut Rest, d: &BlockDependent| {
+        let Ok(k) = block.rows.binary_search(&d.row) else { return false };
+        let certificate = certificate(block, k, d);
+        rest.error(block, k, &certificate);
+        let left = rest.touched.iter().fold(0.0, |most: f64, &j| most.max(rest.left[j].abs()));
+        left > noise_of(block) * certificate.iter().fold(1.0, |most: f64, (_, y)| most.max(y.abs()))
+    };
+    let known = rows.dependent.par_iter().filter(|d| matches!(d.because, BlockCertificate::Known(_)));
+    known.map_init(new, leaves).any(|leaves| leaves)
 }
 
 /// Writes a refined certificate, its mismatches and its remainder.

@@ -69,6 +69,13 @@ impl Component {
         self.units_beyond(NEAR)
     }
 
+    /// Where [`Self::units`] keeps the user's units, the balanced ones. They lie within [`NEAR`], except those of DOFs that have only what
+    /// rounding left of coefficients; these DOFs keep the user's units.
+    pub fn near_units(&self) -> Vec<i32> {
+        let near = |unit: i32| if f64::from(unit.abs()) <= NEAR { unit } else { 0 };
+        self.units_beyond(0.0).unwrap_or_default().into_iter().map(near).collect()
+    }
+
     /// [`Self::units`] with another bound than [`NEAR`].
     pub fn units_beyond(&self, near: f64) -> Option<Vec<i32>> {
         let q = self.balanced(near)?.0;

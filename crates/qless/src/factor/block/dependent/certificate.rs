@@ -143,7 +143,7 @@ pub(super) fn beyond_rounding(factor: &Factor, block: &Block) -> f64 {
 }
 
 /// Bound of the rounding error in the remainder of a dependent row.
-pub(super) fn noise_of(block: &Block) -> f64 {
+pub(crate) fn noise_of(block: &Block) -> f64 {
     let (m, n) = (block.matrix.rows() as f64, block.matrix.cols as f64);
     ROUNDING * f64::EPSILON * (m.sqrt() + n.sqrt())
 }

@@ -13,7 +13,7 @@ use certificate::{Choice, ESTIMATE, beyond_rounding, in_order, over_kept, rows};
 use late::late;
 use weak::{ROUNDS, unexplained, without_weak};
 
-pub(super) use certificate::Rows;
+pub(super) use certificate::{Rows, noise_of};
 
 /// Largest size m n (rows times DOFs) of a block that is factored again, with pivoting, if it seems nearly dependent.
 const DENSE: usize = 1 << 20;
