@@ -68,7 +68,8 @@ def analyse(
     ``max |T_ij|``, 4), `memory` (bytes for one block), `masters` and `slaves` (DOFs that should be masters or slaves, if possible), `keep`
     (rows to keep if others can be dropped instead).
 
-    Raises :class:`InputError` with row, DOF and label for numbers that are not finite and indices out of range.
+    Raises :class:`InputError` with row, DOF and label for numbers that are not finite and indices out of range, and for numbers that are
+    masked, dates, or whole numbers that f64 would round.
     """
     return _result.make(C, b, prescribed, labels, dof_labels, **options)
 

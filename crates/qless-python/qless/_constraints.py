@@ -9,7 +9,7 @@ import numpy as np
 
 from . import _qless, _result
 from ._errors import InputError
-from ._matrix import csr, csr_arrays, doubles, floats, integers, is_sparse
+from ._matrix import csr, csr_arrays, doubles, floats, integers, is_sparse, names, natural
 from ._rigid import rigid_rows
 
 
@@ -17,7 +17,7 @@ class Constraints:
     """Equations on DOFs ``0..dofs``. Methods that add equations return the rows that they added."""
 
     def __init__(self, dofs: int) -> None:
-        self.dofs = int(dofs)
+        self.dofs = natural(dofs, "number of DOFs", 2**32)
         self._lengths: list[np.ndarray] = []
         self._columns: list[np.ndarray] = []
         self._values: list[np.ndarray] = []
@@ -52,13 +52,22 @@ class Constraints:
 
     def equal(self, a: Any, b: Any, offset: Any = 0.0, label: str | list[str] | None = None) -> range:
         """``u[a] - u[b] = offset`` for each pair of DOFs; a single DOF is paired with all of the other list."""
-        a, b = np.broadcast_arrays(np.ravel(integers(a)), np.ravel(integers(b)))
+        a, b = np.ravel(integers(a)), np.ravel(integers(b))
+        if len(a) != len(b) and 1 not in (len(a), len(b)):
+            raise InputError(f"equal: there are {len(a)} DOFs and {len(b)} DOFs; give a pair for each equation")
+        a, b = np.broadcast_arrays(a, b)
         return self._append_pairs([(a, 1.0), (b, -1.0)], offset, label)
 
     def mpc(self, slave: Any, masters: Any, coefficients: Any, offset: Any = 0.0, label: str | list[str] | None = None) -> range:
-        """``u[slave] = sum_k coefficients_k u[masters_k] + offset``; an array of slaves takes one row of masters for each slave."""
-        slave = np.ravel(integers(slave))
-        masters = integers(masters).reshape(len(slave), -1)
+        """``u[slave] = sum_k coefficients_k u[masters_k] + offset``; an array of slaves takes one row of masters for each slave.
+
+        `coefficients` has a number for each master, or is one number for all; one row of coefficients may serve all slaves.
+        """
+        slave, masters = np.ravel(integers(slave)), integers(masters)
+        each, left = divmod(masters.size, len(slave)) if len(slave) else (0, masters.size)
+        if left or (masters.ndim > 1 and len(masters) != len(slave)):
+            raise InputError(f"mpc: masters are of shape {masters.shape} for {len(slave)} slaves; give a row of masters for each slave")
+        masters = masters.reshape(len(slave), each)
         coefficients = doubles(coefficients, masters.shape)
         columns = [(slave, 1.0), *((masters[:, k], -coefficients[:, k]) for k in range(masters.shape[1]))]
         return self._append_pairs(columns, offset, label)
@@ -86,7 +95,7 @@ class Constraints:
             return self._append_pairs(columns, 0.0, label)
         if strain is not None and strain_dofs is not None:
             raise InputError("periodic: give the values of the strain, or its DOFs as strain_dofs, not both")
-        distance = np.array(np.broadcast_to(doubles(distance), a.shape))
+        distance = doubles(distance, a.shape)
         strain = integers(strain_dofs) if strain is None else doubles(strain)
         if strain.shape != (a.shape[1], a.shape[1]):
             raise InputError(f"periodic: the strain is {strain.shape}; for {a.shape[1]} DOFs a node it is {a.shape[1]} x {a.shape[1]}")
@@ -117,13 +126,13 @@ class Constraints:
 
     def label_dofs(self, labels: Any) -> None:
         """Names of all DOFs, for messages."""
-        self._dof_labels = [str(label) for label in labels]
+        self._dof_labels = names(labels)
 
     def _append_pairs(self, columns: list[tuple[np.ndarray, Any]], b: Any, label: Any) -> range:
         """Adds rows; each column gives one DOF and one coefficient of every row."""
         rows = len(columns[0][0])
         dofs = np.stack([dofs for dofs, _ in columns], axis=1)
-        values = np.stack([np.broadcast_to(doubles(value), (rows,)) for _, value in columns], axis=1)
+        values = np.stack([doubles(value, (rows,)) for _, value in columns], axis=1)
         return self._append(np.full(rows, len(columns)), dofs.ravel(), values.ravel(), b, label)
 
     def _append(self, lengths: Any, columns: Any, values: Any, b: Any, label: Any, dofs: int | None = None) -> range:
@@ -138,7 +147,8 @@ class Constraints:
             raise InputError(f"row {row}{named} names DOF {dof}; there are {self.dofs} DOFs, from 0", row=row, dof=dof)
         if not (label is None or isinstance(label, str) or len(label) == rows):
             raise InputError(f"there are {len(label)} labels for {rows} equations")
-        self._rhs.append(doubles(b, (rows,)) if np.ndim(b) == 0 else np.ravel(doubles(b)))
+        b = doubles(b)
+        self._rhs.append(doubles(b, (rows,)) if b.ndim == 0 else np.ravel(b))
         if len(self._rhs[-1]) != rows:
             found = len(self._rhs.pop())
             raise InputError(f"the right-hand side has {found} numbers for {rows} equations")

@@ -18,7 +18,7 @@ import numpy as np
 
 from . import _qless, _reasons, _report
 from ._errors import Conflict, InputError
-from ._matrix import csr, doubles, floats, integers, is_sparse, right_hand_sides, system
+from ._matrix import compressed_rows, csr, doubles, floats, integers, is_sparse, names, natural, right_hand_sides, system
 from ._reasons import Reason, Repair
 
 
@@ -140,7 +140,7 @@ class Result:
 
     def because(self, row: int) -> Explanation:
         """The kept equations of which a dependent one is a combination; no terms for an independent one."""
-        row = _natural(row, "row")
+        row = natural(row, "row", self.shape[0])
         ((rows, coefficients), error) = self._analysis.because(row)
         terms = list(zip(rows.tolist(), coefficients.tolist(), strict=True))
         named = {i: self.labels[i] for i in [row, *rows.tolist()]} if self.labels else {}
@@ -149,7 +149,7 @@ class Result:
 
     def because_fixed(self, dof: int) -> list[tuple[int, float]]:
         """The combination ``e_dof = sum c_i row_i`` that fixes a DOF; empty for other DOFs."""
-        rows, coefficients = self._analysis.because_fixed(_natural(dof, "DOF"))
+        rows, coefficients = self._analysis.because_fixed(natural(dof, "DOF", self.shape[1]))
         return list(zip(rows.tolist(), coefficients.tolist(), strict=True))
 
     def explain(self, row: int) -> Reason | None:
@@ -157,7 +157,7 @@ class Result:
 
         :meth:`because` names kept equations only, and may be long. All numbers are those of the analysis, before any :meth:`refresh`.
         """
-        row = _natural(row, "row")
+        row = natural(row, "row", self.shape[0])
         found = self._analysis.explain(row)
         if found is None:
             return None
@@ -168,7 +168,7 @@ class Result:
 
     def explain_fixed(self, dof: int) -> Reason | None:
         """Why a DOF of :attr:`fixed` has its value, in few equations and prescribed values; None for any other DOF."""
-        dof = _natural(dof, "DOF")
+        dof = natural(dof, "DOF", self.shape[1])
         found = self._analysis.explain_fixed(dof)
         if found is None:
             return None
@@ -216,7 +216,7 @@ class Result:
 
     def to_json(self, terms: int = 1_000_000) -> str:
         """The report of ``qless check --format json``; its rows and DOFs count from 1."""
-        return self._analysis.json(terms)
+        return self._analysis.json(natural(terms, "number of terms", 2**63))
 
     def raise_if_conflicting(self) -> Result:
         """Raises :class:`Conflict` if equations conflict; returns the result itself."""
@@ -332,7 +332,7 @@ class Result:
             load = self.restrict(f - floats(K) @ self.u0)
             return self.restrict(np.ascontiguousarray(self.restrict(floats(K)).T)).T, load
         by_columns = K.format == "csc"
-        lines = K if by_columns else K.tocsr()
+        lines = K if by_columns else compressed_rows(K)
         arrays = integers(lines.indptr), integers(lines.indices), doubles(lines.data)
         k_q, f_q = self._elimination.condense(arrays, by_columns, f)
         return csr(k_q, (len(f_q), len(f_q)), "csc" if by_columns else "csr"), f_q
@@ -368,25 +368,12 @@ class Result:
         elimination = self._elimination
         rhs = elimination.rhs() if b is None else right_hand_sides(b)
         try:
-            elimination.update(rhs, self._values(prescribed))
+            elimination.update(rhs, _changed(self.prescribed, elimination.prescribed_values(), prescribed))
         except Conflict as error:
             changed = self.with_values(rhs, prescribed)
             raise (changed._conflict() if changed.conflicting.size else error) from None
         self.__dict__.pop("fixed", None)
         return self
-
-    def _values(self, prescribed: Any) -> np.ndarray:
-        values = self._elimination.prescribed_values()
-        if prescribed is None:
-            return values
-        if not isinstance(prescribed, Mapping):
-            return doubles(prescribed)
-        place = {dof: k for k, dof in enumerate(self.prescribed.tolist())}
-        for dof, value in prescribed.items():
-            if dof not in place:
-                raise InputError(f"DOF {dof} is not prescribed; analyse again to prescribe it", dof=int(dof))
-            values[place[dof]] = value
-        return values
 
     def with_values(self, b: Any = None, prescribed: Any = None) -> Result:
         """Analyses the same equations with another b and other prescribed values."""
@@ -394,12 +381,7 @@ class Result:
         dofs, values = sides["prescribed"]
         if b is not None:
             sides["rhs"] = right_hand_sides(b)
-        if prescribed is not None:
-            new = prescribed if isinstance(prescribed, Mapping) else dict(zip(dofs.tolist(), doubles(prescribed), strict=True))
-            for dof in new.keys() - set(dofs.tolist()):
-                raise InputError(f"DOF {dof} is not prescribed; analyse again to prescribe it", dof=int(dof))
-            values = np.array([float(new.get(dof, value)) for dof, value in zip(dofs.tolist(), values, strict=True)])
-        sides["prescribed"] = dofs, values
+        sides["prescribed"] = dofs, _changed(dofs, values, prescribed)
         return Result(system((self._system.matrix(), self.shape[1]), sides), self._options, self.left_out)
 
     # Files.
@@ -447,13 +429,6 @@ def _each_column(apply: Any, vectors: Any) -> np.ndarray:
     return np.stack(columns, axis=1) if columns else apply(np.zeros(vectors.shape[0]))[:, None][:, :0]
 
 
-def _natural(place: Any, what: str) -> int:
-    place = int(place)
-    if place < 0:
-        raise InputError(f"{what} {place}: rows and DOFs count from 0")
-    return place
-
-
 def make(
     C: Any,  # noqa: N803
     b: Any = None,
@@ -468,8 +443,8 @@ def make(
     sides = {
         "rhs": None if b is None else right_hand_sides(b),
         "prescribed": pairs(prescribed),
-        "labels": None if labels is None else list(map(str, labels)),
-        "dof_labels": None if dof_labels is None else list(map(str, dof_labels)),
+        "labels": names(labels),
+        "dof_labels": names(dof_labels),
     }
     return Result(system(C, sides), options)
 
@@ -480,8 +455,24 @@ def pairs(prescribed: Any) -> tuple[np.ndarray, np.ndarray] | None:
         return None
     is_mapping = isinstance(prescribed, Mapping)
     given, values = (list(prescribed.keys()), list(prescribed.values())) if is_mapping else two_lists(prescribed)
-    dofs = np.ravel(integers(given)).astype(np.int64)
-    return dofs, doubles(values, dofs.shape) if np.ndim(values) == 0 else np.ravel(doubles(values))
+    dofs, values = np.ravel(integers(given)).astype(np.int64), doubles(values)
+    return dofs, doubles(values, dofs.shape) if values.ndim == 0 else np.ravel(values)
+
+
+def _changed(dofs: np.ndarray, values: np.ndarray, prescribed: Any) -> np.ndarray:
+    """The values of the prescribed DOFs after a change: a mapping of some of them, or a number for each."""
+    if prescribed is None:
+        return values
+    if not isinstance(prescribed, Mapping):
+        return doubles(prescribed, dofs.shape)
+    changed = dict(zip(dofs.tolist(), values.tolist(), strict=True))
+    given = pairs(prescribed)
+    assert given is not None
+    for dof, value in zip(given[0].tolist(), given[1].tolist(), strict=True):
+        if dof not in changed:
+            raise InputError(f"DOF {dof} is not prescribed; analyse again to prescribe it", dof=dof)
+        changed[dof] = value
+    return np.array(list(changed.values()))
 
 
 def two_lists(prescribed: Any) -> tuple[Any, Any]:

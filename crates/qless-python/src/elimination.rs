@@ -254,8 +254,8 @@ impl PyElimination {
             Ok((known, k_q, f_q))
         });
         let (known, k_q, f_q) = condensed.map_err(self.failed())?;
-        let starts: Vec<usize> = known.condensed.starts().iter().map(|&start| start as usize).collect();
-        let index: Vec<i32> = known.condensed.index().iter().map(|&k| k as i32).collect();
-        Ok(((indices(py, &starts), index.into_pyarray(py), k_q.into_pyarray(py)), f_q.into_pyarray(py)))
+        let starts = known.condensed.starts().iter().map(|&start| start as usize);
+        let index = known.condensed.index().iter().map(|&k| k as usize);
+        Ok(((indices(py, starts), indices(py, index), k_q.into_pyarray(py)), f_q.into_pyarray(py)))
     }
 }

@@ -2,10 +2,13 @@
 
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBool, PyDict};
 use qless::{BackendChoice, Effort, Noise, Options, Preferences, Tolerance};
 
 use crate::errors::plain;
+
+/// Largest number of characters of a value that a message repeats.
+const SHOWN: usize = 60;
 
 /// Reads the options that are given; others keep the defaults of the library.
 pub fn options(given: &Bound<'_, PyDict>) -> PyResult<Options> {
@@ -15,12 +18,12 @@ pub fn options(given: &Bound<'_, PyDict>) -> PyResult<Options> {
         match key.as_str() {
             "tolerance" => options.tolerance = tolerance(&value)?,
             "noise" => options.noise = noise(&value)?,
-            "backend" => options.backend = backend(&value.extract::<String>()?)?,
-            "effort" => options.effort = effort(&value.extract::<String>()?)?,
-            "presolve" => options.presolve = value.extract()?,
-            "growth" => options.growth = value.extract()?,
-            "memory" => options.memory = value.extract()?,
-            "masters" | "slaves" | "keep" => preference(&mut options.preferences, &key, value.extract()?),
+            "backend" => options.backend = backend(&read::<String>(&key, &value, "the name of a backend")?)?,
+            "effort" => options.effort = effort(&read::<String>(&key, &value, "\"checked\", for example")?)?,
+            "presolve" => options.presolve = read(&key, &value, "True or False")?,
+            "growth" => options.growth = read(&key, &value, "a number of at least 1")?,
+            "memory" => options.memory = read(&key, &value, "a whole number of bytes, from 0")?,
+            "masters" | "slaves" | "keep" => preference(&mut options.preferences, &key, &value)?,
             _ => return Err(refused(&format!("there is no option `{key}`"))),
         }
     }
@@ -31,12 +34,31 @@ fn refused(message: &str) -> PyErr {
     plain("InputError", &message)
 }
 
-fn preference(preferences: &mut Preferences, key: &str, numbers: Vec<usize>) {
-    match key {
-        "masters" => preferences.masters = numbers,
-        "slaves" => preferences.slaves = numbers,
-        _ => preferences.equations = numbers,
-    }
+/// The value of an option as a type of the library. `wanted` is what the option takes; the message of the error names it.
+fn read<'py, T: FromPyObjectOwned<'py>>(key: &str, value: &Bound<'py, PyAny>, wanted: &str) -> PyResult<T> {
+    value.extract().map_err(|_| {
+        let mut found = value.repr().map_or_else(|_| "another value".to_owned(), |text| text.to_string());
+        if let Some((end, _)) = found.char_indices().nth(SHOWN) {
+            found.replace_range(end.., "...");
+        }
+        refused(&format!("{key}={found}: give {wanted}"))
+    })
+}
+
+fn preference(preferences: &mut Preferences, key: &str, value: &Bound<'_, PyAny>) -> PyResult<()> {
+    let (list, wanted) = match key {
+        "masters" => (&mut preferences.masters, "DOFs as a list of whole numbers, from 0"),
+        "slaves" => (&mut preferences.slaves, "DOFs as a list of whole numbers, from 0"),
+        _ => (&mut preferences.equations, "rows as a list of whole numbers, from 0"),
+    };
+    let given: Vec<Bound<'_, PyAny>> = read(key, value, wanted)?;
+    // A list of True and False is a mask. Python reads it as the numbers 1 and 0.
+    let number = |place: &Bound<'_, PyAny>| {
+        let is_mask = place.is_instance_of::<PyBool>();
+        if is_mask { Err(refused(&format!("{key} is a mask; give {wanted}"))) } else { read(key, place, wanted) }
+    };
+    *list = given.iter().map(number).collect::<PyResult<_>>()?;
+    Ok(())
 }
 
 fn tolerance(value: &Bound<'_, PyAny>) -> PyResult<Tolerance> {

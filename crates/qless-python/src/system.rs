@@ -220,21 +220,21 @@ fn nonzeros<V: Copy + Into<f64>>(row: ArrayView1<'_, V>) -> impl Iterator<Item =
     row.into_iter().map(|&v| v.into()).enumerate().filter(|&(_, v)| v != 0.0)
 }
 
-/// `(starts, columns, values)` of a sparse matrix. Columns have 32 bits; starts have 32 bits if they fit.
-pub type RowArrays<'py> = (Bound<'py, PyAny>, Bound<'py, PyArray1<i32>>, Bound<'py, PyArray1<f64>>);
+/// `(starts, columns, values)` of a sparse matrix. Starts and columns are [`indices`].
+pub type RowArrays<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyArray1<f64>>);
 
 /// The arrays of a matrix of the library.
 pub fn row_arrays<'py>(py: Python<'py>, matrix: &qless::Csr) -> RowArrays<'py> {
-    let columns: Vec<i32> = matrix.columns().iter().map(|&j| j as i32).collect();
-    (indices(py, matrix.starts()), columns.into_pyarray(py), PyArray1::from_slice(py, matrix.values()))
+    let columns = matrix.columns().iter().map(|&j| j as usize);
+    (indices(py, matrix.starts().iter().copied()), indices(py, columns), PyArray1::from_slice(py, matrix.values()))
 }
 
 /// Indices as 32-bit integers if they fit, as SciPy has them.
-pub fn indices<'py>(py: Python<'py>, list: &[usize]) -> Bound<'py, PyAny> {
-    if list.iter().all(|&k| i32::try_from(k).is_ok()) {
-        list.iter().map(|&k| k as i32).collect::<Vec<_>>().into_pyarray(py).into_any()
+pub fn indices<'py>(py: Python<'py>, list: impl Iterator<Item = usize> + Clone) -> Bound<'py, PyAny> {
+    if list.clone().all(|k| i32::try_from(k).is_ok()) {
+        list.map(|k| k as i32).collect::<Vec<_>>().into_pyarray(py).into_any()
     } else {
-        list.iter().map(|&k| k as i64).collect::<Vec<_>>().into_pyarray(py).into_any()
+        list.map(|k| k as i64).collect::<Vec<_>>().into_pyarray(py).into_any()
     }
 }
 

@@ -13,6 +13,15 @@ C = np.array([[1.0, -1, 2], [1, 2, -1], [2, 1, 1]])
 B = np.array([1.0, 0, 1])
 
 
+MASKED = np.ma.masked_array(C, mask=[[0, 0, 0], [0, 0, 0], [1, 1, 1]])
+
+
+def outside(matrix):
+    """A COO matrix with a row that it does not have."""
+    matrix.row[-1] = 9
+    return matrix
+
+
 def forms(dense):
     """The same matrix in every form that is taken."""
     yield dense
@@ -26,6 +35,9 @@ def forms(dense):
     yield dense.astype(np.float32)
     yield sp.csr_array(dense.astype(np.float32))
     yield dense.astype(int)
+    yield dense.astype(int).astype(object)
+    yield np.ma.masked_array(dense)
+    yield tuple(map(tuple, dense.tolist()))
     yield np.repeat(dense, 2, axis=1)[:, ::2]
 
 
@@ -80,10 +92,44 @@ def test_conflicts_carry_rows_and_explanations():
         (lambda: qless.analyse(sp.coo_array(np.ones(3))), "1 dimension;"),
         (lambda: qless.analyse(C, "three"), "no real numbers"),
         (lambda: qless.analyse([[10**400, 1]]), "no real numbers"),
+        (lambda: qless.analyse([["1", 2]]), "no real numbers"),
+        (lambda: qless.analyse(np.zeros((1, 1), "M8[s]")), r"no real numbers: they are of type datetime64\[s\]"),
+        (lambda: qless.analyse(C, np.zeros(3, "m8[s]")), "timedelta64"),
+        (lambda: qless.analyse([[1, 2], [1]]), "no array"),
+        (lambda: qless.analyse([[2**53 + 1, 2**53], [2**53, 2**53]]), "9007199254740993 is not exact in f64"),
+        (lambda: qless.analyse(sp.csr_array(np.array([[2**63 + 1, 1]], np.uint64))), "9223372036854775809 is not exact"),
+        (lambda: qless.analyse(np.array([[2**70 + 1, 1]], object)), "1180591620717411303425 is not exact"),
+        (lambda: qless.analyse(C, prescribed={0: 2**53 + 1}), "not exact"),
+        (lambda: qless.analyse(MASKED), "masked entries"),
+        (lambda: qless.analyse(list(MASKED)), "masked entries"),
+        (lambda: qless.analyse(C, MASKED[2]), "masked entries"),
+        (lambda: qless.analyse(C, prescribed={0: np.ma.masked}), "masked entries"),
+        (lambda: qless.analyse(C, prescribed=(np.ma.masked_array([0, 1], [0, 1]), 0.0)), "masked entries"),
+        (lambda: qless.analyse(C, prescribed=(np.array([2**64 - 1], np.uint64), 0.0)), "18446744073709551615 is too large"),
+        (lambda: qless.analyse(C, labels="abc"), "the text 'abc'"),
+        (lambda: qless.analyse(C, masters=[-1]), "masters=-1: give DOFs as a list"),
+        (lambda: qless.analyse(C, slaves=[True, False, True]), "slaves is a mask"),
+        (lambda: qless.analyse(C, keep=2), "keep=2: give rows as a list"),
+        (lambda: qless.analyse(C, keep=[0.5]), "keep=0.5"),
+        (lambda: qless.analyse(C, memory=-5), "memory=-5: give a whole number of bytes"),
+        (lambda: qless.analyse(C, memory=2**70), "memory=1180591620717411303424"),
+        (lambda: qless.analyse(C, effort=None), "effort=None"),
+        (lambda: qless.analyse(C, backend=["faer"] * 50), r"backend=\['faer'.*\.\.\.: give the name of a backend"),
+        (lambda: qless.analyse(C, presolve="no"), "presolve='no': give True or False"),
+        (lambda: qless.analyse(C, growth="high"), "growth='high'"),
         (lambda: qless.analyse(C, labels=["a"]), "labels"),
         (lambda: qless.analyse(np.zeros((2, 0))), "no DOFs"),
         (lambda: qless.analyse(C).because(3), "out of range"),
         (lambda: qless.analyse(C).because(-1), "-1"),
+        (lambda: qless.analyse(C).because(2.5), "row 2.5 is no whole number"),
+        (lambda: qless.analyse(C).because(2**70), "out of range"),
+        (lambda: qless.analyse(C).because_fixed(3), "DOF 3 is out of range; give a whole number from 0, below 3"),
+        (lambda: qless.analyse(C).explain_fixed(99), "DOF 99 is out of range"),
+        (lambda: qless.analyse(C).to_json(-1), "number of terms -1"),
+        (lambda: qless.analyse(C, prescribed={0: 1.0}).with_values(prescribed=[1.0, 2.0]), r"shape \(2,\), but \(1,\)"),
+        (lambda: qless.analyse(C, prescribed={0: 1.0}).with_values(prescribed={0: np.ma.masked}), "masked entries"),
+        (lambda: qless.analyse(C, prescribed={0: 1.0}).refresh(prescribed={0: np.ma.masked}), "masked entries"),
+        (lambda: qless.analyse(C).condense(outside(sp.coo_array(C))), "row indices are 0 to 9"),
         (lambda: qless.analyse(C).expand([1.0, 2.0]), "list of masters"),
         (lambda: qless.analyse(C).expand([np.nan]), "finite"),
         (lambda: qless.analyse(C).condense(np.eye(2)), "2 x 2"),
@@ -104,6 +150,28 @@ def test_indices_outside_a_sparse_matrix_are_named(kind, bad):
         broken.indices[0] = bad
     with pytest.raises(qless.InputError, match=f"{kind.upper()} matrix is not valid"):
         qless.analyse(broken)
+
+
+def test_whole_numbers_above_2_to_the_53_are_taken_if_they_are_exact():
+    r = qless.analyse(np.array([[2**60, -(2**53)], [2**54, -(2**47)]]))
+    assert (r.rank, [c for _, c in r.because(1).terms]) == (1, [2.0**-6])
+
+
+def test_rows_given_as_two_tuples_are_a_matrix():
+    assert qless.analyse(((1, -1), (2, -2))).rank == 1
+
+
+def test_dofs_beyond_32_bits_with_a_sign():
+    far = 2**31 + 3
+    r = qless.analyse(sp.csr_array(([1.0, 1.0], ([0, 0], [1, far])), shape=(1, far + 1)), prescribed={1: 2.0})
+    assert r.with_values([1.0]).fixed == {far: -1.0} and r._system.matrix()[1].tolist() == [1, far]
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.uint32, np.uint64, np.int16])
+def test_indices_of_every_integer_type(dtype):
+    c = qless.Constraints(3)
+    c.equation(np.array([0, 2], dtype), [1.0, -1.0])
+    assert c.analyse(masters=np.array([0], dtype)).masters.tolist() == [0, 1]
 
 
 def test_an_error_names_row_and_dof():

@@ -120,6 +120,16 @@ def test_a_strain_of_integers_is_a_strain():
         (lambda c: c.periodic([[0, 1]], [[2, 3]], [1, 0], np.eye(3)), "2 x 2"),
         (lambda c: c.prescribe({0: 1.0, 9: 2.0}), "DOF 9"),
         (lambda c: (c.prescribe(0, 1.0), c.prescribe(0, 2.0)), "twice"),
+        (lambda c: c.mpc(0, [1, 2], [1.0]), r"shape \(1,\), but \(1, 2\) is needed"),
+        (lambda c: c.mpc([0, 1], [2, 3, 0], 1.0), r"shape \(3,\) for 2 slaves"),
+        (lambda c: c.mpc([0, 1, 2], [[1, 2, 3], [2, 3, 0]], 1.0), r"shape \(2, 3\) for 3 slaves"),
+        (lambda c: c.mpc([], [1, 2], 1.0), r"shape \(2,\) for 0 slaves"),
+        (lambda c: c.equation([0, 1], [1.0]), r"shape \(1,\), but \(2,\) is needed"),
+        (lambda c: c.equal([0, 1], [1, 2, 3]), "2 DOFs and 3 DOFs"),
+        (lambda c: c.equal([0, 1], [2, 3], np.ma.masked_array([1.0, 2.0], [0, 1])), "masked entries"),
+        (lambda c: c.equal(np.ma.masked_array([0, 1], [0, 1]), [2, 3]), "masked entries"),
+        (lambda c: c.periodic([[0, 1]], [[2, 3]], [1.0], np.eye(2)), r"shape \(1,\), but \(1, 2\) is needed"),
+        (lambda c: c.label_dofs("abcd"), "the text 'abcd'"),
     ],
 )
 def test_bad_constraints_are_named(call, message):
@@ -127,6 +137,18 @@ def test_bad_constraints_are_named(call, message):
     with pytest.raises(qless.InputError, match=message):
         call(c)
     assert len(c) == 0
+
+
+@pytest.mark.parametrize("dofs", [-1, 1.5, 2**32, "4", None])
+def test_a_number_of_dofs_is_a_whole_number(dofs):
+    with pytest.raises(qless.InputError, match="number of DOFs"):
+        qless.Constraints(dofs)
+
+
+def test_one_row_of_coefficients_serves_all_slaves():
+    c = qless.Constraints(6)
+    c.mpc([0, 1], [[2, 3], [4, 5]], [0.25, 0.75])
+    assert c.C.toarray().tolist() == [[1, 0, -0.25, -0.75, 0, 0], [0, 1, 0, 0, -0.25, -0.75]]
 
 
 def test_prescribe_takes_arrays():
