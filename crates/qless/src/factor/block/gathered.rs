@@ -34,6 +34,8 @@ pub(crate) struct Block {
     /// For each row, the largest [`Entry::certain_left`] of its free DOFs: the fraction of a coefficient's largest term that certainly
     /// remains after cancellation. Coefficients that presolve dropped count too.
     pub certain: Vec<f64>,
+    /// For each row, the largest relative error of a coefficient of its free DOFs; cancellation in presolve raises it above rounding.
+    pub errors: Vec<f64>,
     /// A random right-hand side, to which presolve was applied as to the rows; for each block as in `effective`.
     pub random: Vec<Vec<f64>>,
 }
@@ -99,6 +101,7 @@ impl Block {
             rhs: Vec::new(),
             effective: vec![Vec::new()],
             certain: Vec::new(),
+            errors: Vec::new(),
             random: Vec::new(),
         };
         block.iter().for_each(|&i| gathered.push(&rows[i as usize], place, is_scaled));
@@ -118,12 +121,14 @@ impl Block {
         };
         let entries = sorted(free().map(|(j, entry)| (j, ldexp(entry.value, shift + self.units[j]))).collect());
         let certain = free().map(|(_, entry)| entry.certain_left()).fold(row.dropped, f64::max);
+        let error = free().map(|(_, entry)| entry.error() / entry.value.abs()).fold(0.0, f64::max);
         let fixed = |entry: &Entry| Some((self.prescribed.binary_search(&entry.dof).ok()?, ldexp(entry.value, shift)));
         self.fixed.append(sorted(row.entries.iter().filter_map(fixed).collect()));
         self.matrix.append(entries);
         self.rhs.push(ldexp(row.rhs, shift));
         self.effective[0].push(Mismatch::of_row(row).scaled(shift));
         self.certain.push(certain);
+        self.errors.push(error);
         self.exponents.push(shift);
     }
 

@@ -91,6 +91,7 @@ fn are_twins([a, b]: [&Block; 2], columns: [&SortedColumns; 2]) -> bool {
     a.matrix.cols == b.matrix.cols
         && a.exponents == b.exponents
         && a.certain == b.certain
+        && a.errors == b.errors
         && columns[0].order.iter().zip(&columns[1].order).all(is_same)
 }
 
@@ -115,6 +116,7 @@ fn common(twins: &[&Block], columns: &SortedColumns) -> Block {
         rhs: first.rhs.clone(),
         effective,
         certain: first.certain.clone(),
+        errors: first.errors.clone(),
         random,
     }
 }
@@ -213,6 +215,7 @@ mod tests {
             rhs: vec![1.0, second_side, 0.0],
             effective: vec![[1.0, second_side, 0.0].map(side).to_vec()],
             certain: vec![1.0; 3],
+            errors: vec![f64::EPSILON; 3],
             random: vec![vec![0.5; 3]],
         }
     }

@@ -26,6 +26,7 @@ use crate::input::scale::ldexp;
 use crate::presolve::basis::{BlockCertificate, BlockDependent};
 use crate::presolve::eliminate::SUSPECT;
 use crate::presolve::eliminated::Mismatch;
+use crate::presolve::rows::MORE_THAN_ROUNDING;
 
 /// A product of a row with a null-space vector, and a remainder at a DOF, count as rounding up to this fraction of their terms.
 const NOISE: f64 = 64.0 * f64::EPSILON;
@@ -158,15 +159,21 @@ fn certificate(block: &Block, k: usize, d: &BlockDependent) -> Vec<(usize, f64)>
     d.because.terms().iter().filter_map(own).collect()
 }
 
-/// Returns true if in the units of this block a dropped row with a known certificate leaves more than rounding.
+/// Returns true if in the units of this block a dropped row with a known certificate leaves more than rounding, and more than the errors of
+/// its coefficients.
 pub(super) fn leaves_more_than_rounding(block: &Block, rows: &Rows) -> bool {
     let new = || Rest::new(block.matrix.cols, rows.nearness.sigma);
     let leaves = |rest: &mut Rest, d: &BlockDependent| {
         let Ok(k) = block.rows.binary_search(&d.row) else { return false };
         let certificate = certificate(block, k, d);
         rest.error(block, k, &certificate);
-        let left = rest.touched.iter().fold(0.0, |most: f64, &j| most.max(rest.left[j].abs()));
-        left > noise_of(block) * certificate.iter().fold(1.0, |most: f64, (_, y)| most.max(y.abs()))
+        let largest = certificate.iter().fold(1.0, |most: f64, (_, y)| most.max(y.abs()));
+        let members = certificate.iter().map(|&(i, _)| i).chain([k]);
+        let relative = NOISE.max(MORE_THAN_ROUNDING * members.map(|i| block.errors[i]).fold(0.0, f64::max));
+        rest.touched.iter().any(|&j| {
+            let left = rest.left[j].abs();
+            left > noise_of(block) * largest && left > relative * rest.size[j]
+        })
     };
     let known = rows.dependent.par_iter().filter(|d| matches!(d.because, BlockCertificate::Known(_)));
     known.map_init(new, leaves).any(|leaves| leaves)

@@ -157,6 +157,7 @@ mod tests {
             rhs: vec![0.0; m],
             effective: vec![vec![Mismatch::default(); m]],
             certain: vec![1.0; m],
+            errors: vec![f64::EPSILON; m],
             random: vec![vec![0.5; m]],
         }
     }
