@@ -141,6 +141,27 @@ fn a_small_difference_of_one_coefficient_is_not_dropped_without_doubt_in_any_uni
     }
 }
 
+/// A sum of equations whose small coefficients are rounded to the last places of large ones.
+#[test]
+fn sums_that_round_small_coefficients_are_redundant_without_doubt() {
+    let mut random = SplitMix64::new(29);
+    for seed in 0..300 {
+        let small = 1e-7 * (1 + below(&mut random, 2000)) as f64;
+        let turns = (1 + below(&mut random, 4)) as f64;
+        let beam = [(2, -1.0), (3, -small), (4, 1.0), (5, -small)];
+        let sum = [(1, turns), (2, -1.0), (3, -(turns + small)), (4, 1.0), (5, -small)];
+        let mut builder = SystemBuilder::new(6);
+        builder.equation(beam, -0.04);
+        builder.equation([(0, -1.0), (1, -0.006), (2, 1.0), (3, -0.006)], -3.5);
+        builder.equation(sum, -0.04);
+        builder.equation([(1, 1.0), (3, -1.0)], 0.0);
+        each(&builder.build().expect("valid"), |analysis, name| {
+            let is_sure = analysis.rank() == 3 && !analysis.confidence().ambiguous;
+            assert!(is_sure, "{seed}, {name}: {small:e} {turns} {:?}", analysis.confidence());
+        });
+    }
+}
+
 /// `0 = b` is a conflict if b was typed, however small it is beside other right-hand sides; a computed b may be rounding of them.
 #[test]
 fn an_equation_without_coefficients_has_no_unit() {

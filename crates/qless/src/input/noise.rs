@@ -225,22 +225,18 @@ fn suspect(system: LocalSystem, exponents: &[Exponents]) -> Vec<NoiseTerm> {
 
 /// Coefficients as small as rounding errors of the largest of their equation, or as products of these, in the user's units. They count only
 /// in components in which every coefficient is either as small as this or far larger: if units mix, coefficients of other sizes occur too.
-/// Where products occur, single rounding errors do too.
 fn as_given(system: LocalSystem, spanning: &[usize]) -> Vec<NoiseTerm> {
     let labels = Labels::of(system);
     let mut may_be = vec![false; labels.count];
     spanning.iter().for_each(|&i| may_be[labels.of_row[i] as usize] = true);
     let largest = |i: usize| free(system, i).fold(0.0, |most: f64, (_, v)| most.max(v.abs()));
-    let mut has_single = vec![false; labels.count];
     for (i, &label) in labels.of_row.iter().enumerate() {
         if may_be[label as usize] {
             let largest = largest(i);
             let is_far = |v: f64| v.abs() >= ldexp(largest, DATA) || is_rounding(v, largest);
             may_be[label as usize] = free(system, i).all(|(_, v)| is_far(v));
-            has_single[label as usize] |= free(system, i).any(|(_, v)| is_product(v, largest, 1));
         }
     }
-    may_be.iter_mut().zip(has_single).for_each(|(may_be, single)| *may_be &= single);
     let of = |&i: &usize| {
         let largest = largest(i);
         terms(system, i).filter(move |term| is_rounding(term.coefficient, largest))
@@ -251,11 +247,7 @@ fn as_given(system: LocalSystem, spanning: &[usize]) -> Vec<NoiseTerm> {
 /// Whether a number may be a rounding error beside the largest coefficient of its equation, or the product of two or three: axes that were
 /// turned by three angles hold products of three.
 fn is_rounding(v: f64, largest: f64) -> bool {
-    (1..=3).any(|k| is_product(v, largest, k))
-}
-
-fn is_product(v: f64, largest: f64, factors: i32) -> bool {
-    v.abs() <= ldexp(largest, factors * SUSPECT) && v.abs() >= ldexp(largest, factors * QUANTUM)
+    (1..=3).any(|k| v.abs() <= ldexp(largest, k * SUSPECT) && v.abs() >= ldexp(largest, k * QUANTUM))
 }
 
 /// The terms of certain equations: every coefficient is at most the fraction `part` of the largest coefficient of the equation's DOFs, and
