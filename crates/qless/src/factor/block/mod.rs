@@ -44,14 +44,15 @@ fn diagnose(block: &mut Block, means: FactorContext) -> Result<Found, BackendErr
         let mut balanced = block.clone();
         if balanced.balance() && leaves_more_than_rounding(&balanced, &rows) {
             let other = diagnose(&mut balanced, means)?;
-            // Rows that are nearer to the others than the tolerance stay dropped.
-            if other.rows.kept.len() == rows.kept.len() || other.rows.nearness.distance > means.tolerance {
+            let Rows { kept, nearness, .. } = &other.rows;
+            let keeps_more = kept.len() > rows.kept.len();
+            // Rows that are nearer to the others than the tolerance stay dropped, with a doubt.
+            if !(keeps_more && nearness.distance <= means.tolerance) {
                 *block = balanced;
                 return Ok(other);
             }
-            let Rows { kept, nearness, .. } = &other.rows;
-            let is_added = |row: u32| kept.iter().any(|&i| block.rows[i] == row);
-            let added = rows.dependent.iter_mut().filter(|d| is_added(d.row));
+            let is_kept = |row: u32| block.rows.binary_search(&row).is_ok_and(|i| kept.binary_search(&i).is_ok());
+            let added = rows.dependent.iter_mut().filter(|d| is_kept(d.row));
             added.for_each(|d| d.dropped = d.dropped.max(nearness.distance));
         }
     }

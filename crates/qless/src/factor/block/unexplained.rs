@@ -28,7 +28,7 @@ use crate::presolve::eliminate::SUSPECT;
 use crate::presolve::eliminated::Mismatch;
 use crate::presolve::rows::MORE_THAN_ROUNDING;
 
-/// A product of a row with a null-space vector, and a remainder at a DOF, count as rounding up to this fraction of their terms.
+/// A product of a row with a null-space vector counts as rounding up to this fraction of its terms.
 const NOISE: f64 = 64.0 * f64::EPSILON;
 /// Largest number of refinements of a certificate.
 const REFINEMENTS: usize = 2;
@@ -124,7 +124,7 @@ pub(super) fn unexplained(block: &Block, rows: &mut Rows, moves: &[Vec<f64>; 2])
     let Rows { dependent, triangle, left, nearness, .. } = rows;
     // A second diagnosis of a small block costs little, so nothing is taken for the errors of its certificates.
     let known_to = if block.matrix.rows() * block.matrix.cols <= DENSE { 1.0 } else { nearness.distance.min(1.0) };
-    let rounding = (NOISE / known_to).min(SUSPECT);
+    let rounding = (at_a_dof(block) / known_to).min(SUSPECT);
     let new = || Rest::new(block.matrix.cols, nearness.sigma);
     let found = dependent.par_iter_mut().enumerate().map_init(new, |rest, (place, d)| {
         let k = block.rows.binary_search(&d.row).ok()?;
@@ -150,6 +150,11 @@ pub(super) fn unexplained(block: &Block, rows: &mut Rows, moves: &[Vec<f64>; 2])
     Explained { unexplained: found.iter().filter(|row| row.error > SUSPECT).count(), is_exact }
 }
 
+/// The remainder at a DOF counts as rounding up to this fraction of its terms. Certificates of large blocks have larger errors.
+fn at_a_dof(block: &Block) -> f64 {
+    NOISE.max(noise_of(block))
+}
+
 /// The terms of the certificate of row k: rows of the block with their coefficients.
 fn certificate(block: &Block, k: usize, d: &BlockDependent) -> Vec<(usize, f64)> {
     let own = |&(row, y): &(u32, f64)| {
@@ -169,7 +174,7 @@ pub(super) fn leaves_more_than_rounding(block: &Block, rows: &Rows) -> bool {
         rest.error(block, k, &certificate);
         let largest = certificate.iter().fold(1.0, |most: f64, (_, y)| most.max(y.abs()));
         let members = certificate.iter().map(|&(i, _)| i).chain([k]);
-        let relative = NOISE.max(MORE_THAN_ROUNDING * members.map(|i| block.errors[i]).fold(0.0, f64::max));
+        let relative = at_a_dof(block).max(MORE_THAN_ROUNDING * members.map(|i| block.errors[i]).fold(0.0, f64::max));
         rest.touched.iter().any(|&j| {
             let left = rest.left[j].abs();
             left > noise_of(block) * largest && left > relative * rest.size[j]

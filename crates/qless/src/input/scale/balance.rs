@@ -72,15 +72,15 @@ impl Component {
     /// Where [`Self::units`] keeps the user's units, the balanced ones. They lie within [`NEAR`], except those of DOFs that have only what
     /// rounding left of coefficients; these DOFs keep the user's units.
     pub fn near_units(&self) -> Vec<i32> {
+        // The user's units are near, so a few passes of relaxation are usually enough, and much cheaper than least squares.
+        let found = self.relaxed().or_else(|| self.balanced(0.0));
         let near = |unit: i32| if f64::from(unit.abs()) <= NEAR { unit } else { 0 };
-        self.units_beyond(0.0).unwrap_or_default().into_iter().map(near).collect()
+        found.map_or_else(Vec::new, |(q, _)| relative(&q)).into_iter().map(near).collect()
     }
 
     /// [`Self::units`] with another bound than [`NEAR`].
     pub fn units_beyond(&self, near: f64) -> Option<Vec<i32>> {
-        let q = self.balanced(near)?.0;
-        let usual = median(&q);
-        Some(q.iter().map(|q| (usual - q).round() as i32).collect())
+        Some(relative(&self.balanced(near)?.0))
     }
 
     /// Returns exponents of the DOFs in equilibrated units, in which rows and columns have about the same 2-norm. They are nearer to the
@@ -284,6 +284,12 @@ impl Sum {
     fn power(self) -> f64 {
         if self.sum > 0.0 { self.most + self.sum.log2() } else { 0.0 }
     }
+}
+
+/// For each DOF, the power of two that multiplies its column, relative to the median.
+fn relative(q: &[f64]) -> Vec<i32> {
+    let usual = median(q);
+    q.iter().map(|q| (usual - q).round() as i32).collect()
 }
 
 fn range(q: &[f64]) -> f64 {
