@@ -18,7 +18,7 @@
 
 use rayon::prelude::*;
 
-use super::dependent::{DENSE, Rows, noise_of};
+use super::dependent::{Rows, noise_of};
 use super::gathered::Block;
 use super::triangle::Triangle;
 use crate::factor::backend::many::{Slab, WIDTH};
@@ -114,17 +114,14 @@ struct Unexplained {
 pub(super) struct Explained {
     /// Number of dropped rows that are no combination: their error `e_k` is above [`SUSPECT`].
     pub unexplained: usize,
-    /// True if the errors of all known certificates are rounding errors of the terms at each DOF. In large blocks they may be `u / d`, the
-    /// errors of certificates over rows at a distance d from dependence.
+    /// True if the errors of all known certificates are rounding errors of the terms at each DOF.
     pub is_exact: bool,
 }
 
 /// Refines certificates with an error `e_k` above [`SUSPECT`]. If the error stays above, it becomes the `dropped` remainder of the row.
 pub(super) fn unexplained(block: &Block, rows: &mut Rows, moves: &[Vec<f64>; 2]) -> Explained {
     let Rows { dependent, triangle, left, nearness, .. } = rows;
-    // A second diagnosis of a small block costs little, so nothing is taken for the errors of its certificates.
-    let known_to = if block.matrix.rows() * block.matrix.cols <= DENSE { 1.0 } else { nearness.distance.min(1.0) };
-    let rounding = (at_a_dof(block) / known_to).min(SUSPECT);
+    let rounding = at_a_dof(block);
     let new = || Rest::new(block.matrix.cols, nearness.sigma);
     let found = dependent.par_iter_mut().enumerate().map_init(new, |rest, (place, d)| {
         let k = block.rows.binary_search(&d.row).ok()?;

@@ -15,9 +15,8 @@ use weak::{ROUNDS, unexplained, without_weak};
 
 pub(super) use certificate::{Rows, noise_of};
 
-/// Largest size m n (rows times DOFs) of a block that is factored again where this may lead to a better choice: with pivoting if it seems
-/// nearly dependent, and in balanced units if a certificate is not exact.
-pub(super) const DENSE: usize = 1 << 20;
+/// Largest size m n (rows times DOFs) of a block that is factored again, with pivoting, if it seems nearly dependent.
+const DENSE: usize = 1 << 20;
 
 /// Tolerance for rows that are known to be independent; a tolerance of zero would let backends take rounding for a pivot.
 pub(crate) const NO_PIVOT: f64 = 1e-13;
