@@ -121,7 +121,7 @@ pub(super) struct Explained {
 /// Refines certificates with an error `e_k` above [`SUSPECT`]. If the error stays above, it becomes the `dropped` remainder of the row.
 pub(super) fn unexplained(block: &Block, rows: &mut Rows, moves: &[Vec<f64>; 2]) -> Explained {
     let Rows { dependent, triangle, left, nearness, .. } = rows;
-    let rounding = at_a_dof(block);
+    let rounding = rounding_at_a_dof(block);
     let new = || Rest::new(block.matrix.cols, nearness.sigma);
     let found = dependent.par_iter_mut().enumerate().map_init(new, |rest, (place, d)| {
         let k = block.rows.binary_search(&d.row).ok()?;
@@ -148,7 +148,7 @@ pub(super) fn unexplained(block: &Block, rows: &mut Rows, moves: &[Vec<f64>; 2])
 }
 
 /// The remainder at a DOF counts as rounding up to this fraction of its terms. Certificates of large blocks have larger errors.
-fn at_a_dof(block: &Block) -> f64 {
+fn rounding_at_a_dof(block: &Block) -> f64 {
     NOISE.max(noise_of(block))
 }
 
@@ -171,7 +171,7 @@ pub(super) fn leaves_more_than_rounding(block: &Block, rows: &Rows) -> bool {
         rest.error(block, k, &certificate);
         let largest = certificate.iter().fold(1.0, |most: f64, (_, y)| most.max(y.abs()));
         let members = certificate.iter().map(|&(i, _)| i).chain([k]);
-        let relative = at_a_dof(block).max(MORE_THAN_ROUNDING * members.map(|i| block.errors[i]).fold(0.0, f64::max));
+        let relative = rounding_at_a_dof(block).max(MORE_THAN_ROUNDING * members.map(|i| block.errors[i]).fold(0.0, f64::max));
         rest.touched.iter().any(|&j| {
             let left = rest.left[j].abs();
             left > noise_of(block) * largest && left > relative * rest.size[j]
