@@ -171,7 +171,8 @@ pub(super) fn leaves_more_than_rounding(block: &Block, rows: &Rows) -> bool {
         rest.error(block, k, &certificate);
         let largest = certificate.iter().fold(1.0, |most: f64, (_, y)| most.max(y.abs()));
         let members = certificate.iter().map(|&(i, _)| i).chain([k]);
-        let relative = rounding_at_a_dof(block).max(MORE_THAN_ROUNDING * members.map(|i| block.errors[i]).fold(0.0, f64::max));
+        let relative =
+            rounding_at_a_dof(block).max(MORE_THAN_ROUNDING * members.map(|i| block.errors[i]).fold(0.0, f64::max));
         rest.touched.iter().any(|&j| {
             let left = rest.left[j].abs();
             left > noise_of(block) * largest && left > relative * rest.size[j]
