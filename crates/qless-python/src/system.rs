@@ -230,7 +230,7 @@ pub fn row_arrays<'py>(py: Python<'py>, matrix: &qless::Csr) -> RowArrays<'py> {
 }
 
 /// Indices as 32-bit integers if they fit, as SciPy has them.
-pub fn indices<'py>(py: Python<'py>, list: impl Iterator<Item = usize> + Clone) -> Bound<'py, PyAny> {
+pub fn indices(py: Python<'_>, list: impl Iterator<Item = usize> + Clone) -> Bound<'_, PyAny> {
     if list.clone().all(|k| i32::try_from(k).is_ok()) {
         list.map(|k| k as i32).collect::<Vec<_>>().into_pyarray(py).into_any()
     } else {

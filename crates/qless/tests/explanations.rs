@@ -263,7 +263,7 @@ fn explanations_with_wide_coefficients_are_irreducible() {
     }
 }
 
-/// `graded` models: coefficients of `2^-k` to 1 for a random k up to 26, and combinations with factors of `2^-k` to `2^k`.
+/// Coefficients of `2^-k` to 1, k between 8 and 26, and sums of two equations, in units of the equations of `2^-40` to `2^40`.
 fn graded(seed: u64) -> Model {
     let random = &mut SplitMix64::new(seed);
     let (dofs, most) = (3 + below(random, 10), 8 + below(random, 19));
@@ -274,7 +274,7 @@ fn graded(seed: u64) -> Model {
             |random: &mut SplitMix64| [1, -1, 3, -5][below(random, 4)] << [most, most, most / 2, 0][below(random, 4)];
         rows.push((0..length).map(|_| (below(random, dofs), factor(random))).collect());
     }
-    for _ in 0..1 + below(random, 3) {
+    for _ in 0..=below(random, 3) {
         let parts = (0..2)
             .map(|_| (rows[below(random, rows.len())].clone(), [1, -1, 3][below(random, 3)] << below(random, 10)));
         let sum: Vec<_> =
