@@ -6,6 +6,8 @@ from typing import Any, NamedTuple
 
 #: Most terms of a reason, and ways of a repair, that a text names.
 _TERMS, _WAYS = 12, 4
+#: A text names relative errors above this one.
+_SAME = 1e-9
 
 
 class RowTerm(NamedTuple):
@@ -49,10 +51,13 @@ class Reason(NamedTuple):
     conflicts: bool
     #: Relative error of the sum.
     error: float
-    #: No smaller set of the members explains the same. False if that is not known: more than 128 equations, some with small coefficients.
+    #: No smaller set of the members explains the same. False if that is not known: more than 128 equations, some with small coefficients;
+    #: members of which rounding does not tell whether they are independent; or an error above rounding.
     irreducible: bool
     #: The explained equation or DOF, such as ``row 2 "glue"``.
     subject: str
+    #: Number of coefficients of the rows that count as zero (:attr:`qless.Result.noise`): the sum holds without them.
+    zeros: int = 0
 
     @property
     def rows(self) -> list[int]:
@@ -69,7 +74,7 @@ class Reason(NamedTuple):
         said = f"{self.subject} = {self.right_hand_side:.6g}, from {self._sum()}" if is_of_dof else f"{self.subject} = {self._sum()}"
         if self.conflicts and self.asked is not None:
             said += f", but the right-hand sides differ by {self.asked - self.right_hand_side:.6g}"
-        return said
+        return said + caveat(self.error if self.error > _SAME else 0.0, self.zeros)
 
     def _sum(self) -> str:
         signs = ["-" if member.coefficient < 0 else "+" for member in self.members]
@@ -116,6 +121,14 @@ class Repair(NamedTuple):
         more = f", or {len(self.ways) - len(ways)} other ways" if len(self.ways) > len(ways) else ""
         more += f"; {self.total - len(self.ways)} more were not verified" if self.total > len(self.ways) else ""
         return f"to cure row{'s' * (len(self.conflicts) > 1)} {rows}, change {', or '.join(ways)}{more}"
+
+
+def caveat(error: float, zeros: int) -> str:
+    """How far a sum of rows is not the explained row: its relative error, and the coefficients that count as zero."""
+    text = f" (only to a relative error of {error:.1e})" if error > 0 else ""
+    if zeros:
+        text += f" (without {zeros} coefficient{'s' * (zeros > 1)} that count{'s' * (zeros == 1)} as zero, as rounding)"
+    return text
 
 
 def named(what: str, place: Any, label: str | None) -> str:

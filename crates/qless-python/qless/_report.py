@@ -6,6 +6,7 @@ import html as _html
 from typing import TYPE_CHECKING
 
 from ._errors import FactorError
+from ._reasons import caveat
 
 if TYPE_CHECKING:
     from ._result import Explanation, Result
@@ -30,9 +31,7 @@ def explanation(one: Explanation) -> str:
     text = f"{_row(one.row, one.labels)} = {said}"
     if one.kind == 2:
         text += f", but the right-hand sides differ by {one.mismatch:.6g}"
-    if one.error > 0:
-        text += f" (only to a relative error of {one.error:.1e})"
-    return text
+    return text + caveat(one.error, one.zeros)
 
 
 def conflicts(result: Result, rows: list[int]) -> str:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import enum
 import pickle
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -52,6 +53,8 @@ class Explanation(NamedTuple):
     error: float
     #: Labels of the rows, if they have any.
     labels: dict[int, str]
+    #: Number of coefficients of these rows that count as zero (:attr:`Result.noise`): the combination holds without them.
+    zeros: int = 0
 
     def __str__(self) -> str:
         return _report.explanation(self)
@@ -138,6 +141,14 @@ class Result:
         rows, mismatches = self._analysis.mismatches()
         return dict(zip(rows.tolist(), mismatches.tolist(), strict=True))
 
+    @cached_property
+    def _zeros_by_row(self) -> Counter[int | None]:
+        return Counter(row for row, _, _ in self.noise)
+
+    def _zeros(self, row: int | None, rows: np.ndarray) -> int:
+        """Number of coefficients of these rows that count as zero."""
+        return sum(self._zeros_by_row[i] for i in [row, *rows.tolist()])
+
     def because(self, row: int) -> Explanation:
         """The kept equations of which a dependent one is a combination; no terms for an independent one."""
         row = natural(row, "row", self.shape[0])
@@ -145,7 +156,7 @@ class Result:
         terms = list(zip(rows.tolist(), coefficients.tolist(), strict=True))
         named = {i: self.labels[i] for i in [row, *rows.tolist()]} if self.labels else {}
         kind = Kind(int(self._analysis.kinds()[row]))
-        return Explanation(row, terms, kind, self._mismatches.get(row, 0.0), error, named)
+        return Explanation(row, terms, kind, self._mismatches.get(row, 0.0), error, named, self._zeros(row, rows))
 
     def because_fixed(self, dof: int) -> list[tuple[int, float]]:
         """The combination ``e_dof = sum c_i row_i`` that fixes a DOF; empty for other DOFs."""
@@ -164,7 +175,8 @@ class Result:
         members, right_hand_side, error, irreducible = _reasons.reason(found, self.labels, self._dof_labels)
         conflicts = bool(self._analysis.kinds()[row] == Kind.CONFLICTING)
         subject = _reasons.named("row", row, _reasons.label(self.labels, row))
-        return Reason(members, right_hand_side, float(self._system.rhs()[row]), conflicts, error, irreducible, subject)
+        zeros = self._zeros(row, found[0][0])
+        return Reason(members, right_hand_side, float(self._system.rhs()[row]), conflicts, error, irreducible, subject, zeros)
 
     def explain_fixed(self, dof: int) -> Reason | None:
         """Why a DOF of :attr:`fixed` has its value, in few equations and prescribed values; None for any other DOF."""
@@ -174,7 +186,7 @@ class Result:
             return None
         members, right_hand_side, error, irreducible = _reasons.reason(found, self.labels, self._dof_labels)
         subject = _reasons.named("DOF", dof, _reasons.label(self._dof_labels, dof))
-        return Reason(members, right_hand_side, None, False, error, irreducible, subject)
+        return Reason(members, right_hand_side, None, False, error, irreducible, subject, self._zeros(None, found[0][0]))
 
     def repairs(self) -> list[Repair]:
         """The fewest right-hand sides and prescribed values to change so that no conflict is left, with their new values.

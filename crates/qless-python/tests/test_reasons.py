@@ -108,6 +108,17 @@ def test_a_reason_that_is_too_long_to_be_examined_is_marked(last, irreducible):
     assert (len(reason.members), reason.irreducible) == (n, irreducible)
 
 
+def test_a_row_of_rounding_says_that_it_counts_as_zero():
+    r = qless.analyse([[1.0, 0.5], [3e-17, -2e-17]], noise=1e-12)
+    for text in (str(r.because(1)), str(r.explain(1))):
+        assert text == "row 1 = 0 (without 2 coefficients that count as zero, as rounding)"
+
+
+def test_a_reason_says_that_it_does_not_hold():
+    assert str(qless.Reason([], 0.0, 0.0, False, 1.0, False, "row 3")) == "row 3 = 0 (only to a relative error of 1.0e+00)"
+    assert str(qless.Reason([], 0.0, 0.0, False, 1e-12, True, "row 3")) == "row 3 = 0"
+
+
 def test_the_empty_equation_and_long_texts():
     reason = qless.analyse([[0.0, 0.0]], [1.0]).explain(0)
     assert (reason.members, reason.right_hand_side) == ([], 0.0)

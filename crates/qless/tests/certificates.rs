@@ -75,6 +75,32 @@ fn closed_chains_of_very_different_links() {
 }
 
 /// `u1 + u3 / 2 = 1e-3`, `u2 + u3 / 2 = 1e12`, in one block without presolve.
+/// Kirchhoff's laws with 1e-6 and 1e6 ohm: `-2.2 i_8 = 0` is a combination with coefficients of 2.2 to 2.2e-24, all of which are needed. Each
+/// correction finds only the next smaller ones, and the error stays 1 until all are found.
+#[test]
+fn coefficients_of_all_sizes_are_found() {
+    let rows: [&[(usize, f64)]; 10] = [
+        &[(2, -1.0), (6, -1e-6)],
+        &[(0, -1.0), (3, -1e6)],
+        &[(0, 1.0), (7, -1e-6)],
+        &[(2, 1.0), (5, -1e6)],
+        &[(4, 1.0), (8, -1.0)],
+        &[(3, 1.0), (8, 1.0)],
+        &[(5, 1.0), (6, -1.0)],
+        &[(0, -1.0), (1, 1.0)],
+        &[(8, -2.2)],
+        &[(4, -1.0), (5, -1.0), (7, -1.0)],
+    ];
+    let mut builder = SystemBuilder::new(9);
+    rows.into_iter().for_each(|row| _ = builder.equation(row.iter().copied(), 0.0));
+    let system = builder.build().expect("valid");
+    let analysis = analyse(&system, &Options::default()).expect("an analysis");
+    let row = analysis.dependent()[0].row;
+    let because = analysis.because(row).expect("in range");
+    assert!(error_of(&system, row, &because) < 1e-10, "{because:?}");
+    assert_eq!(analysis.because_error(row), Ok(0.0));
+}
+
 #[test]
 fn small_constants_stay_beside_large_ones() {
     let mut builder = SystemBuilder::new(3);

@@ -85,21 +85,25 @@ impl Analysis {
         if !self.options.effort.checks() {
             return (terms, 0.0);
         }
-        let is_good = |(_, error): &(Vec<CertificateTerm>, f64)| *error <= limit;
         let mut best = self.best_of(dependent.row, terms, limit);
+        let mut last = best.0.clone();
+        let is_small = || self.blocks.iter().all(|block| block.rows.len() * block.dofs.len() <= SMALL);
         for _ in 0..REFINEMENTS {
-            if is_good(&best) || self.blocks.iter().any(|block| block.rows.len() * block.dofs.len() > SMALL) {
+            if best.1 <= limit || !is_small() {
                 break;
             }
-            let left = self.parts(self.entries(dependent.row), &best.0).into_iter().map(|(j, (left, _))| (j, left));
+            let left = self.parts(self.entries(dependent.row), &last).into_iter().map(|(j, (left, _))| (j, left));
             let Ok(correction) = self.expressed(left) else { break };
-            let mut sum = best.0.iter().map(|term| (term.row, term.coefficient)).collect();
+            let mut sum = last.iter().map(|term| (term.row, term.coefficient)).collect();
             correction.iter().for_each(|term| add(&mut sum, term.row, term.coefficient));
-            let better = self.best_of(dependent.row, terms_of(sum), limit);
-            if better.1 >= best.1 {
-                break;
+            // Terms of a correction may be needed although they do not reduce the error yet: each correction has only those terms that are
+            // above rounding of its largest one.
+            last = terms_of(sum);
+            let better = self.best_of(dependent.row, last.clone(), limit);
+            if better.1 < best.1 {
+                last.clone_from(&better.0);
+                best = better;
             }
-            best = better;
         }
         best
     }

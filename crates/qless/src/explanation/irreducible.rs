@@ -15,8 +15,8 @@
 
 use std::collections::HashSet;
 
-use super::{Explanation, NOISE, neighbourhood};
-use crate::{Analysis, CertificateTerm};
+use super::{Explanation, Member, NOISE, SAME, neighbourhood};
+use crate::{Analysis, CertificateTerm, Kind};
 
 /// Largest number of members that are examined, as many as a neighbourhood has. The QR factorization of the matrix M of their terms then
 /// takes some milliseconds.
@@ -69,7 +69,9 @@ impl Analysis {
         agrees: &dyn Fn(&Explanation) -> bool,
     ) -> (Explanation, usize) {
         if self.are_above(vector, terms, rounding * terms.len() as f64) {
-            return (whole, 0);
+            // Each equation of a circle has a DOF of its own, so they are independent.
+            let is_circle = rounding == 0.0;
+            return if is_circle { (whole, 0) } else { self.judged(vector, whole, 0) };
         }
         let says = |terms: &[CertificateTerm]| self.says_something(vector, &self.sums(vector.iter().copied(), terms));
         let limit = whole.error.max(self.options.tolerance.value());
@@ -86,6 +88,35 @@ impl Analysis {
         }
         let members = Members::new(self, vector, terms.to_vec()).refined();
         LeavingOut { explain: &explain, effort: members.effort() }.run(members, whole)
+    }
+
+    /// Whether the sum of an explanation is the vector, but for rounding and the tolerance.
+    fn holds(&self, found: &Explanation) -> bool {
+        found.error <= self.options.tolerance.value().max(SAME)
+    }
+
+    /// Withdraws the claim that `found` is irreducible if its sum is not the vector, or if its members may be dependent. Also returns the
+    /// number of operations, added to `effort`.
+    fn judged(&self, vector: &[(u32, f64)], found: Explanation, effort: usize) -> (Explanation, usize) {
+        let equations = found.members.iter().filter_map(|member| match *member {
+            Member::Equation { row, coefficient } => Some(CertificateTerm { row, coefficient }),
+            Member::Prescribed { .. } => None,
+        });
+        let terms: Vec<CertificateTerm> = equations.collect();
+        let (holds, are_kept) =
+            (self.holds(&found), terms.iter().all(|term| self.kinds[term.row] == Kind::Independent));
+        if !holds || are_kept || terms.len() > MOST {
+            return (Explanation { is_irreducible: holds && found.is_irreducible, ..found }, effort);
+        }
+        let is_member = |j: u32| {
+            let dof = self.numbering.dofs[j as usize] as usize;
+            found.members.iter().any(|member| matches!(*member, Member::Prescribed { dof: other, .. } if other == dof))
+        };
+        let sums = self.sums(vector.iter().copied(), &terms).into_iter();
+        let sizes = sums.filter(|&(j, _)| !is_member(j)).map(|(j, (_, size))| (j, size)).collect();
+        let members = Members::over(self, vector, terms, sizes);
+        let is_irreducible = found.is_irreducible && members.distance() > NOISE;
+        (Explanation { is_irreducible, ..found }, effort + members.effort())
     }
 
     /// Returns true if each term exceeds the fraction `least` of the sum at each of its free DOFs, and if each prescribed value that is
@@ -112,7 +143,9 @@ impl LeavingOut<'_> {
     fn run(mut self, mut members: Members, whole: Explanation) -> (Explanation, usize) {
         let mut best = (self.explain)(&members.terms).unwrap_or(whole);
         let mut needed = HashSet::new();
-        while let Some(row) = self.weakest(&members, &needed) {
+        while members.analysis.holds(&best)
+            && let Some(row) = self.weakest(&members, &needed)
+        {
             match self.without(&members, row) {
                 Some(fewer) => (best, members) = fewer,
                 // A member that a set needs is needed by each smaller set.
@@ -120,7 +153,7 @@ impl LeavingOut<'_> {
             }
         }
         best.is_irreducible = self.effort < MOST_EFFORT;
-        (best, self.effort)
+        members.analysis.judged(members.vector, best, self.effort)
     }
 
     /// The explanation without a member, and without others if several have to be left out together.
@@ -142,12 +175,21 @@ impl LeavingOut<'_> {
 }
 
 impl<'a> Members<'a> {
-    fn new(analysis: &'a Analysis, vector: &'a [(u32, f64)], terms: Vec<CertificateTerm>) -> Self {
-        let mut members =
-            Self { analysis, vector, terms, sizes: Vec::new(), q: Vec::new(), r: Vec::new(), factors: Vec::new() };
-        members.terms.retain(|term| term.coefficient != 0.0);
-        members.factors = vec![1.0; members.terms.len()];
-        members.sizes = members.sums().map(|(j, (_, size))| (j, size)).collect();
+    fn new(analysis: &'a Analysis, vector: &'a [(u32, f64)], mut terms: Vec<CertificateTerm>) -> Self {
+        terms.retain(|term| term.coefficient != 0.0);
+        let sums = analysis.parts(vector.iter().copied(), &terms).into_iter();
+        Self::over(analysis, vector, terms, sums.map(|(j, (_, size))| (j, size)).collect())
+    }
+
+    /// Factors the terms at the DOFs of `sizes`.
+    fn over(
+        analysis: &'a Analysis,
+        vector: &'a [(u32, f64)],
+        terms: Vec<CertificateTerm>,
+        sizes: Vec<(u32, f64)>,
+    ) -> Self {
+        let factors = vec![1.0; terms.len()];
+        let mut members = Self { analysis, vector, terms, sizes, q: Vec::new(), r: Vec::new(), factors };
         for i in 0..members.terms.len() {
             let (mut column, mut factors) = (members.column(members.terms[i]), vec![0.0; i]);
             for _ in 0..PASSES {
@@ -225,9 +267,15 @@ impl<'a> Members<'a> {
         }
     }
 
-    /// Among the equations that may not be needed, the one whose absence leaves the smallest remainder. None if the absence of each one
-    /// leaves more than the tolerance.
-    fn weakest(&self, needed: &HashSet<usize>) -> Option<usize> {
+    /// A lower bound, within a factor of the root of the number of members, for the smallest singular value of M with columns of length 1:
+    /// `1 / |D R^-1|`, where D has the lengths of the columns. Members that are dependent but for rounding leave rounding.
+    fn distance(&self) -> f64 {
+        let lengths = self.r.iter().map(|column| dot(column, column));
+        1.0 / self.inverse_rows().into_iter().zip(lengths).map(|(row, length)| row * length).sum::<f64>().sqrt()
+    }
+
+    /// The squares of the lengths of the rows of `R^-1`.
+    fn inverse_rows(&self) -> Vec<f64> {
         let mut squares = vec![0.0; self.terms.len()];
         for k in 0..squares.len() {
             let mut column = vec![0.0; k + 1];
@@ -235,6 +283,13 @@ impl<'a> Members<'a> {
             self.back_substitute(&mut column);
             squares.iter_mut().zip(column).for_each(|(sum, x)| *sum += x * x);
         }
+        squares
+    }
+
+    /// Among the equations that may not be needed, the one whose absence leaves the smallest remainder. None if the absence of each one
+    /// leaves more than the tolerance.
+    fn weakest(&self, needed: &HashSet<usize>) -> Option<usize> {
+        let squares = self.inverse_rows();
         let limit = self.analysis.options.tolerance.value() * (self.sizes.len() as f64).sqrt();
         let remainder = |k: usize| (self.factors[k].abs() / squares[k].sqrt(), self.terms[k].row);
         let remainders = (0..squares.len()).map(remainder);

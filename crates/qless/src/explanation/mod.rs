@@ -11,10 +11,10 @@
 //! ```text
 //! circle         equations with one or two DOFs: the shortest cycle of their graph, by breadth-first search
 //! neighbourhood  elimination among nearby equations
-//! certificate    if neither finds an explanation that agrees with the verdict, or if the certificate has fewer members
+//! certificate    if neither finds an irreducible explanation that agrees with the verdict, or if the certificate has fewer members
 //! ```
 //!
-//! Every explanation is *irreducible*, unless it is too long to be examined ([`Explanation::is_irreducible`]): its members are independent
+//! Every explanation is *irreducible*, unless it says that this is not known ([`Explanation::is_irreducible`]): its members are independent
 //! and no factor is zero or rounding, so no smaller set of its members explains the equation.
 
 mod arithmetic;
@@ -98,8 +98,9 @@ pub struct Explanation {
     pub right_hand_side: f64,
     /// Largest relative remainder: `max_j |row_kj - sum c_i row_ij| / (|row_kj| + sum |c_i row_ij|)` over the free DOFs.
     pub error: f64,
-    /// False if it may be possible to leave out a member, because the explanation was not examined completely. One with more than 128
-    /// equations is not examined if some coefficients are small.
+    /// False if it may be possible to leave out a member: because the explanation was not examined completely, as one with more than 128
+    /// equations of which some have small coefficients; because rounding does not tell whether its members are independent; or because
+    /// its error is more than rounding and the tolerance.
     pub is_irreducible: bool,
 }
 
@@ -188,7 +189,8 @@ impl Analysis {
             self.irreducible(vector, &terms, (rounding, true), whole, &|found| agrees(found, value)).0
         };
         let short = self.short(None, vector).0.map(|(terms, rounding)| explain(terms, rounding));
-        if let Some(short) = short.filter(|found| value.is_none_or(|value| agrees(found, value))) {
+        let is_good = |found: &Explanation| found.is_irreducible && value.is_none_or(|value| agrees(found, value));
+        if let Some(short) = short.filter(is_good) {
             return Ok(short);
         }
         let is_free = self.numbering.free.as_slice();
@@ -210,13 +212,14 @@ impl Analysis {
             found
         };
         let short = short.map(|(terms, rounding)| explain(terms, rounding, None)).filter(agrees);
-        let is_short = |short: &Explanation| short.members.len() <= SHORT;
+        let is_short = |short: &Explanation| short.is_irreducible && short.members.len() <= SHORT;
         let certificate = (!short.as_ref().is_some_and(is_short)).then(|| {
             let (terms, error) = self.checked(dependent);
             let rounding = self.rounding(&terms);
             explain(terms, rounding, Some(error))
         });
-        let shortest = short.into_iter().chain(certificate).min_by_key(|found| found.members.len());
+        let order = |found: &Explanation| (!found.is_irreducible, found.members.len());
+        let shortest = short.into_iter().chain(certificate).min_by_key(order);
         (shortest.expect("one of both"), effort)
     }
 
