@@ -74,7 +74,6 @@ fn closed_chains_of_very_different_links() {
     assert!(wrong.len() <= all / 20, "{} of {all} above 1e-9: {wrong:?}", wrong.len());
 }
 
-/// `u1 + u3 / 2 = 1e-3`, `u2 + u3 / 2 = 1e12`, in one block without presolve.
 /// Kirchhoff's laws with 1e-6 and 1e6 ohm: `-2.2 i_8 = 0` is a combination with coefficients of 2.2 to 2.2e-24, all of which are needed. Each
 /// correction finds only the next smaller ones, and the error stays 1 until all are found.
 #[test]
@@ -101,6 +100,7 @@ fn coefficients_of_all_sizes_are_found() {
     assert_eq!(analysis.because_error(row), Ok(0.0));
 }
 
+/// `u1 + u3 / 2 = 1e-3`, `u2 + u3 / 2 = 1e12`, in one block without presolve.
 #[test]
 fn small_constants_stay_beside_large_ones() {
     let mut builder = SystemBuilder::new(3);
