@@ -11,6 +11,8 @@
 
 use std::collections::BTreeMap;
 
+use rustc_hash::FxHashMap;
+
 use super::Analysis;
 use super::certificate::CertificateTerm;
 use super::classify::Dependent;
@@ -150,27 +152,25 @@ impl Analysis {
         vector: impl IntoIterator<Item = (u32, f64)>,
         terms: &[CertificateTerm],
     ) -> Vec<(u32, (f64, f64))> {
-        let local = self.local();
-        let of_term = |term: &CertificateTerm| {
-            let coefficient = term.coefficient;
-            local.row(term.row).map(move |(j, v)| (j as u32, -coefficient, v))
+        let (mut sums, mut place) = (Vec::<(u32, [f64; 3])>::new(), FxHashMap::default());
+        let mut add = |j: u32, coefficient: f64, v: f64| {
+            let k = *place.entry(j).or_insert_with(|| {
+                sums.push((j, [0.0; 3]));
+                sums.len() - 1
+            });
+            let [left, lost, size] = &mut sums[k].1;
+            let part = coefficient * v;
+            let (sum, error) = two_sum(*left, part);
+            *lost += coefficient.mul_add(v, -part) + error;
+            *left = sum;
+            *size += part.abs();
         };
-        let own = vector.into_iter().map(|(j, v)| (j, 1.0, v));
-        let mut products: Vec<(u32, f64, f64)> = terms.iter().flat_map(of_term).chain(own).collect();
-        // A stable sort keeps the order of the terms of each DOF.
-        products.sort_by_key(|&(j, ..)| j);
-        let sum = |of_dof: &[(u32, f64, f64)]| {
-            let [mut left, mut lost, mut size] = [0.0_f64; 3];
-            for &(_, coefficient, v) in of_dof {
-                let part = coefficient * v;
-                let (sum, error) = two_sum(left, part);
-                lost += coefficient.mul_add(v, -part) + error;
-                left = sum;
-                size += part.abs();
-            }
-            (of_dof[0].0, (left + lost, size))
-        };
-        products.chunk_by(|a, b| a.0 == b.0).map(sum).collect()
+        for term in terms {
+            self.entries(term.row).for_each(|(j, v)| add(j, -term.coefficient, v));
+        }
+        vector.into_iter().for_each(|(j, v)| add(j, 1.0, v));
+        sums.sort_unstable_by_key(|&(j, _)| j);
+        sums.into_iter().map(|(j, [left, lost, size])| (j, (left + lost, size))).collect()
     }
 
     pub(super) fn entries(&self, row: usize) -> impl Iterator<Item = (u32, f64)> {

@@ -14,6 +14,7 @@ pub(crate) mod hidden_conflicts;
 mod near_dependence;
 pub(crate) mod nullspace_probe;
 mod pass_result;
+mod peel;
 mod preferred_equations;
 pub(crate) mod proof;
 mod readings;

@@ -31,7 +31,8 @@ impl Labels {
         Self::new(system.equations(), system.dofs(), dofs)
     }
 
-    fn new<D: Iterator<Item = u32>>(rows: usize, count: usize, dofs: impl Fn(usize) -> D) -> Self {
+    /// The components of rows 0 to `rows` - 1. `dofs` gives the free DOFs of a row, which are below `count`.
+    pub fn new<D: Iterator<Item = u32>>(rows: usize, count: usize, dofs: impl Fn(usize) -> D) -> Self {
         let mut owner = vec![u32::MAX; count];
         let mut sets = DisjointSets::new(rows);
         for k in 0..rows {
@@ -51,5 +52,21 @@ impl Labels {
         let mut of_label = vec![false; self.count];
         rows.iter().for_each(|&i| of_label[self.of_row[i] as usize] = true);
         marked.iter_mut().zip(&self.of_row).for_each(|(marked, &label)| *marked |= of_label[label as usize]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Labels;
+
+    #[test]
+    fn parts_are_joined_by_free_dofs_only() {
+        let rows: [&[u32]; 6] = [&[0, 1], &[4, 5], &[3], &[1, 3, 6], &[3, 7], &[5, 6]];
+        let labels = |prescribed: &[u32]| {
+            let dofs = |i: usize| rows[i].iter().copied().filter(|j| !prescribed.contains(j));
+            Labels::new(rows.len(), 8, dofs).of_row
+        };
+        assert_eq!(labels(&[3]), [0, 0, 1, 0, 2, 0]);
+        assert_eq!(labels(&[3, 6]), [0, 1, 2, 0, 3, 1]);
     }
 }

@@ -42,7 +42,6 @@
 
 pub(super) mod eliminate;
 pub(super) mod field;
-mod peel;
 pub(super) mod prime;
 mod row;
 mod run;

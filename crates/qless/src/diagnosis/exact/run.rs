@@ -2,20 +2,24 @@
 
 use super::eliminate::eliminate;
 use super::field::Field;
-use super::peel::{Peeled, peel};
 use super::row::ModularEntry;
 use super::{ExactError, ExactRank, PartRank, Settings, prime};
-use crate::common::DisjointSets;
+use crate::ConstraintSystem;
+use crate::diagnosis::peel::{Peeled, peel};
+use crate::input::components::Labels;
 use crate::input::reading::Number;
-use crate::{ConstraintSystem, Csr};
 
 /// Computes the ranks of `C_f` and `[C_f | b - C_p u_p]` for [`super::rank()`]. `C_f` and `C_p` are the columns of free and prescribed
 /// DOFs.
 pub(super) fn rank(system: &ConstraintSystem, settings: Settings) -> Result<ExactRank, ExactError> {
     let mut free = vec![true; system.dofs()];
     system.prescribed().iter().for_each(|&(dof, _)| free[dof] = false);
-    let part_of = parts(system.matrix(), &free);
-    let peeled = peel(system.matrix(), &free);
+    let matrix = system.matrix();
+    let dofs = |i: usize| &matrix.col[matrix.start[i]..matrix.start[i + 1]];
+    // An equation without a free DOF is a part of its own.
+    let free_dofs = |i: usize| dofs(i).iter().copied().filter(|&j| free[j as usize]);
+    let part_of = Labels::new(matrix.rows(), matrix.cols, free_dofs).of_row;
+    let peeled = peel(matrix.rows(), dofs, &free);
     let rest = ExactRemainder { system, settings, peeled: &peeled, part_of: &part_of };
     let primes = prime::two(settings.seed);
     let (first, second) = rayon::join(|| rest.counts(primes[0]), || rest.counts(primes[1]));
@@ -118,40 +122,5 @@ impl ExactRemainder<'_> {
             list
         };
         (self.peeled.rest.iter().map(row).collect(), cols as usize)
-    }
-}
-
-/// For each equation, the number of its part; parts are numbered by their first equations.
-///
-/// Every equation without a free DOF is a part of its own. O(nnz) times a factor that is about 4 in practice.
-pub(super) fn parts(matrix: &Csr, free: &[bool]) -> Vec<u32> {
-    const NONE: u32 = u32::MAX;
-    let mut first_with = vec![NONE; matrix.cols];
-    let mut sets = DisjointSets::new(matrix.rows());
-    for i in 0..matrix.rows() {
-        for (j, _) in matrix.row(i).filter(|&(j, _)| free[j]) {
-            match first_with[j] {
-                NONE => first_with[j] = i as u32,
-                other => sets.join(i, other as usize),
-            }
-        }
-    }
-    sets.numbered().0
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn parts_are_joined_by_free_dofs_only() {
-        let mut matrix = Csr::empty(8);
-        let rows: [&[usize]; 6] = [&[0, 1], &[4, 5], &[3], &[1, 3, 6], &[3, 7], &[5, 6]];
-        rows.iter().for_each(|row| matrix.append(row.iter().map(|&j| (j, 1.0))));
-        let mut free = [true; 8];
-        free[3] = false;
-        assert_eq!(parts(&matrix, &free), [0, 0, 1, 0, 2, 0]);
-        free[6] = false;
-        assert_eq!(parts(&matrix, &free), [0, 1, 2, 0, 3, 1]);
     }
 }
