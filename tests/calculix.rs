@@ -20,6 +20,7 @@ mod calculix {
     pub mod mutations;
     pub mod periodic;
     pub mod plain;
+    pub mod pre_tension;
     pub mod scene;
     pub mod solver;
 }

@@ -1,6 +1,7 @@
 //! What a deck defines (nodes, sets, elements and so on), and the lookups that cards need.
 
 use std::cell::{OnceCell, RefCell};
+use std::ops::Range;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -296,12 +297,17 @@ impl DeckDefinitions {
 
     /// Adds a node that the solver makes. Returns its number, which no other node has.
     pub fn make_node(&self, position: Vector) -> Result<u32, Problem> {
+        self.make_nodes(&[position]).map(|nodes| nodes.start)
+    }
+
+    /// Adds nodes that the solver makes. Returns their numbers, which no other nodes have.
+    pub fn make_nodes(&self, positions: &[Vector]) -> Result<Range<u32>, Problem> {
         let advice = "use smaller numbers";
         let limit = Problem::Limit { what: "the largest number of a node", limit: u32::MAX as usize, advice };
-        let last = self.node_numbers().last().copied().unwrap_or(0);
-        let node = last.checked_add(1).ok_or(limit)?;
-        self.made.borrow_mut().insert(node, position);
-        Ok(node)
+        let first = self.node_numbers().last().map_or(Some(1), |last| last.checked_add(1)).ok_or(limit.clone())?;
+        let end = u32::try_from(positions.len()).ok().and_then(|count| first.checked_add(count)).ok_or(limit)?;
+        self.made.borrow_mut().extend((first..end).zip(positions.iter().copied()));
+        Ok(first..end)
     }
 
     /// All elements.
