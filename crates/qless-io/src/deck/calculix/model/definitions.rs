@@ -25,6 +25,8 @@ use crate::deck::{DeckError, Problem, Solver, Sources};
 /// What steps of the deck ask for.
 #[derive(Default)]
 pub struct StepTraits {
+    /// Number of steps.
+    pub count: usize,
     /// Whether a step is geometrically nonlinear.
     pub is_nonlinear: bool,
     /// Whether a step integrates over time.
@@ -160,7 +162,10 @@ impl DeckDefinitions {
             }
             b"*ORIENTATION" => _ = self.orientations.insert(key("NAME"), axes(card, "SYSTEM")),
             b"*AMPLITUDE" => self.amplitudes.extend(card.word("NAME")),
-            b"*STEP" => self.steps.is_nonlinear |= card.word("NLGEOM").is_some_and(|value| value != "NO"),
+            b"*STEP" => {
+                self.steps.count += 1;
+                self.steps.is_nonlinear |= card.word("NLGEOM").is_some_and(|value| value != "NO");
+            }
             b"*DYNAMIC" => self.steps.is_dynamic = true,
             b"*SELECTCYCLICSYMMETRYMODES" => self.steps.has_diameters = true,
             b"*EQUATION" => card.data.iter().for_each(|piece| self.count(piece)),
