@@ -11,6 +11,7 @@ mod calculix {
     pub mod claims;
     pub mod cleaning;
     pub mod cube;
+    pub mod cyclic;
     pub mod expanded;
     pub mod expanded_rotations;
     pub mod free_rotations;

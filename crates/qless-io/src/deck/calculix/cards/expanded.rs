@@ -17,8 +17,8 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::deck::calculix::cards::mean_rotation;
 use crate::deck::calculix::model::DeckDefinitions;
-use crate::deck::calculix::model::definitions::StepTraits;
 use crate::deck::calculix::model::elements::ElementShape;
+use crate::deck::calculix::model::steps::StepTraits;
 use crate::deck::kinematics::vector::Vector;
 use crate::deck::{Dof, LoadCase, Model, Origin, Prescribed};
 

@@ -7,6 +7,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::deck::calculix::model::elements::{ElementShape, MeshElements};
 use crate::deck::calculix::model::instances::{Instance, InstanceMotion, NodeNumbers};
+use crate::deck::calculix::model::steps::StepTraits;
 use crate::deck::calculix::model::{
     AxesCard, ElementDefinition, Generation, LocalAxes, ScopedName, SetMembers, SetPart, SetTable, SurfaceCard, axes,
 };
@@ -21,19 +22,6 @@ use crate::deck::kinematics::body::Poses;
 use crate::deck::kinematics::vector::Vector;
 use crate::deck::source::SolverReason;
 use crate::deck::{DeckError, Problem, Solver, Sources};
-
-/// What steps of the deck ask for.
-#[derive(Default)]
-pub struct StepTraits {
-    /// Number of steps.
-    pub count: usize,
-    /// Whether a step is geometrically nonlinear.
-    pub is_nonlinear: bool,
-    /// Whether a step integrates over time.
-    pub is_dynamic: bool,
-    /// Whether a step asks for modes of several nodal diameters.
-    pub has_diameters: bool,
-}
 
 /// The definitions of a deck: nodes, sets, elements and so on. They are kept as text until they are needed.
 #[derive(Default)]
@@ -127,6 +115,7 @@ impl DeckDefinitions {
         let key = |parameter| (card.scope, card.word(parameter).unwrap_or_default());
         let has_system = card.is("*NODE") && card.parameter("SYSTEM").is_some();
         self.is_abaqus |= has_system || ONLY_ABAQUS.iter().any(|keyword| card.is(keyword));
+        self.steps.note(card);
         match card.keyword.as_slice() {
             b"*INSTANCE" => self.instance(card),
             b"*ASSEMBLY" => self.assemblies.extend(card.word("NAME")),
@@ -162,12 +151,6 @@ impl DeckDefinitions {
             }
             b"*ORIENTATION" => _ = self.orientations.insert(key("NAME"), axes(card, "SYSTEM")),
             b"*AMPLITUDE" => self.amplitudes.extend(card.word("NAME")),
-            b"*STEP" => {
-                self.steps.count += 1;
-                self.steps.is_nonlinear |= card.word("NLGEOM").is_some_and(|value| value != "NO");
-            }
-            b"*DYNAMIC" => self.steps.is_dynamic = true,
-            b"*SELECTCYCLICSYMMETRYMODES" => self.steps.has_diameters = true,
             b"*EQUATION" => card.data.iter().for_each(|piece| self.count(piece)),
             b"*SYSTEM" => self.system(card),
             b"*NGEN" => self.generate_nodes(card),
