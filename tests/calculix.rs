@@ -11,6 +11,7 @@ mod calculix {
     pub mod claims;
     pub mod cleaning;
     pub mod cube;
+    pub mod cyclic;
     pub mod expanded;
     pub mod expanded_rotations;
     pub mod free_rotations;
@@ -20,6 +21,7 @@ mod calculix {
     pub mod mutations;
     pub mod periodic;
     pub mod plain;
+    pub mod pre_tension;
     pub mod scene;
     pub mod solver;
 }

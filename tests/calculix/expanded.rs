@@ -118,13 +118,10 @@ fn translations_keep_their_meaning() {
 #[test]
 fn rotations_and_nonlinear_cards_leave_the_deck_incomplete() {
     for mesh in &MESHES {
-        let value = if mesh.is_shell() { ",.01" } else { "" };
-        // Of beams along an axis, `prescribed_rotations_of_shells_and_of_beams_along_an_axis_hold`.
-        let is_turned = mesh.is_bar() && mesh.slope == 0.0;
-        let prescribed = format!(
-            "{}*BOUNDARY\n2,4,6{value}\n",
-            if is_turned { "*TRANSFORM, NSET=NALL\n1,1,0,-1,1,0\n" } else { "" }
-        );
+        // Of shells and of beams along an axis, `expanded_rotations`.
+        let is_turned = mesh.is_shell() || mesh.is_bar() && mesh.slope == 0.0;
+        let axes = if is_turned { "*TRANSFORM, NSET=NALL\n1,1,0,-1,1,0\n" } else { "" };
+        let prescribed = format!("{axes}*BOUNDARY\n2,4,6\n");
         let cards = [&prescribed, "*EQUATION\n2\n2,5,1.,3,5,-1.\n", "*MPC\nBEAM,2,103\n*BOUNDARY\n103,1,3\n"];
         for text in cards.map(|cards| mesh.deck(cards)) {
             let said = left_out(&text).unwrap_or_else(|| panic!("{text}"));

@@ -1,4 +1,5 @@
-//! Prescribed rotations of shells and beams, which ccx holds by mean rotations of the solids that it expands them into.
+//! Prescribed rotations of shells and beams, which ccx holds by mean rotations of the solids that it expands them into, or in dynamic steps by
+//! rigid sections.
 
 use std::fmt::Write;
 
@@ -90,6 +91,87 @@ fn prescribed_rotations_of_shells_and_of_beams_along_an_axis_hold() {
             let found = deflection(&text, axes).expect("solved");
             assert!((found - 2e-3).abs() < 1e-4, "{kind} {axes:?}: {found}");
         }
+    }
+}
+
+/// ccx adds the given rotations of a node to one, takes its part in the plane of the shell, and holds it if at least two are given.
+#[test]
+fn prescribed_rotations_of_shells_hold_in_their_plane() {
+    if !is_there() {
+        return;
+    }
+    let mut rng = Rng::new(2);
+    for k in 0..60 {
+        let kind = ["S4", "S4R", "S8", "S8R"][k % 4];
+        let axes = if k % 3 == 0 { global(&mut rng) } else { turned(&mut rng) };
+        let missing = rng.below(4);
+        let rotation = [0, 1, 2].map(|c| if c == missing { 0.0 } else { 1e-3 * rng.real() });
+        let mut cards = "*BOUNDARY\n".to_owned();
+        for c in (0..3).filter(|&c| c != missing) {
+            writeln!(cards, "LAST,{0},{0},{1}", c + 4, rotation[c]).expect("text");
+        }
+        let text = strip(kind, axes, &cards, 0.0);
+        assert_eq!(left_out(&text), None, "{text}");
+        assert!(super::solver::parse(text.as_bytes()).model().warnings()[0].text.contains("in the plane of the shell"));
+        // The strip bends to a circle: its end moves by half its length times the rotation.
+        let expected: f64 = (0..3).map(|c| -2.0 * rotation[c] * axes[1][c]).sum();
+        let u = Printed::run(&text).expect("solved").mean();
+        let found: f64 = (0..3).map(|c| u[c] * axes[2][c]).sum();
+        assert!((found - expected).abs() < 1e-8, "{kind} {axes:?}: {found} {expected}");
+    }
+}
+
+/// ccx then prints huge displacements or stops.
+#[test]
+fn a_rotation_that_a_later_step_releases_leaves_the_deck_incomplete() {
+    for (kind, has_value) in [("S4", true), ("S8", false), ("B31", true)] {
+        let axes = global(&mut Rng::new(4));
+        let value = if has_value { ",1e-3" } else { "" };
+        let one = strip(kind, axes, "", 1e-3);
+        let step = &one[one.find("*STEP").expect("a step")..];
+        let first = one.replace("*CLOAD", &format!("*BOUNDARY\nLAST,4,6{value}\n*CLOAD"));
+        let text = format!("{first}{}", step.replace("*CLOAD", "*BOUNDARY, OP=NEW\nFIRST,1,6\n*CLOAD"));
+        assert_eq!(left_out(&format!("{first}{step}")), None);
+        assert!(left_out(&text).is_some_and(|said| said.contains("equations of their own for rotations")), "{text}");
+        assert!(!is_there() || Printed::run(&text).is_none_or(|printed| printed.last()[0].abs() > 1.0), "{text}");
+    }
+}
+
+/// The deck with one dynamic step, which is slow.
+fn dynamic(text: &str) -> String {
+    let step = "*STEP, NLGEOM\n*DYNAMIC, DIRECT, ALPHA=0.\n1.,1.\n";
+    text.replace("*STEP\n*STATIC\n", step).replace("1e6,0.\n", "1e6,0.\n*DENSITY\n1e-9\n")
+}
+
+#[test]
+fn a_dynamic_step_holds_rotations_of_beams_and_clamps_of_shells() {
+    if !is_there() {
+        return;
+    }
+    let mut rng = Rng::new(3);
+    for k in 0..72 {
+        let kind = ["S3", "S4", "S4R", "S6", "S8", "B31", "B31R", "B32", "B32R"][k % 9];
+        let axes = turned(&mut rng);
+        let free = deflection(&dynamic(&strip(kind, axes, "", 1e-3)), axes).expect("solved");
+        let held = deflection(&dynamic(&strip(kind, axes, "*BOUNDARY\nLAST,4,6\n", 1e-3)), axes).expect("solved");
+        assert!((0.1..0.35).contains(&(held / free)), "{kind} {axes:?}: {held} {free}");
+        // B31R also bends by modes that its reduced integration does not see.
+        if kind.starts_with('B') && kind != "B31R" {
+            let [x, y, z] = axes[1].map(|component| -1e-3 * component);
+            let values = format!("*BOUNDARY\nLAST,4,4,{x}\nLAST,5,5,{y}\nLAST,6,6,{z}\n");
+            let found = deflection(&dynamic(&strip(kind, axes, &values, 0.0)), axes).expect("solved");
+            assert!((found - 2e-3).abs() < 1e-6, "{kind} {axes:?}: {found}");
+        }
+    }
+    let axes = turned(&mut rng);
+    let twice = |text: String| text.replace("*END STEP\n", "*END STEP\n*STEP\n*STATIC\n*END STEP\n");
+    for text in [
+        dynamic(&strip("S8", axes, "*BOUNDARY\nLAST,4,5\n", 1.0)),
+        dynamic(&strip("S8", axes, "*BOUNDARY\nLAST,4,6,1e-3\n", 1.0)),
+        dynamic(&strip("S8R", axes, "", 1.0)),
+        twice(dynamic(&strip("B31", axes, "", 1.0))),
+    ] {
+        assert!(left_out(&text).is_some_and(|said| said.contains("equations of their own for rotations")), "{text}");
     }
 }
 

@@ -47,6 +47,16 @@ impl Printed {
         self.0[0].1
     }
 
+    /// The last three numbers.
+    pub fn last(&self) -> [f64; 3] {
+        self.0[self.0.len() - 1].1
+    }
+
+    /// The mean displacement of all nodes.
+    pub fn mean(&self) -> [f64; 3] {
+        [0, 1, 2].map(|k| self.0.iter().map(|(_, u)| u[k]).sum::<f64>() / self.0.len() as f64)
+    }
+
     /// A translation; rotations of references are prescribed as zero.
     fn value(&self, dof: Dof) -> f64 {
         let row = self.0.iter().find(|(node, _)| *node == dof.node);

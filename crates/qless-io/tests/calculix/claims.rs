@@ -118,8 +118,10 @@ fn what_a_sector_cannot_be_read_for_is_left_out_with_its_claims() {
     let on_axis = sector("\nNODES,SECOND", "").replacen("\n1,1.,0.,0.", "\n1,0.,0.,0.", 1);
     let equation = "*EQUATION\n2\n1,3,1.,8,3,-1.\n*STEP\n*FREQUENCY\n2\n*SELECT CYCLIC SYMMETRY MODES, NMIN=0, NMAX=2\n*END STEP\n";
     let several = sector("\nNODES,SECOND", "") + equation;
-    let step = "*STEP\n*STATIC\n*BOUNDARY\n5,1,1,.1\n*END STEP\n";
-    let value = several.replace("*EQUATION\n2\n1,3,1.,8,3,-1.\n", step);
+    let value = "*STEP\n*MODAL DYNAMIC\n*BOUNDARY\n5,1,1,.1\n*END STEP\n";
+    let value = several.replace("*EQUATION\n2\n1,3,1.,8,3,-1.\n", value);
+    let in_static = super::from_text::model(Ccx, &value.replace("*MODAL DYNAMIC", "*STATIC"));
+    assert_eq!((in_static.equations(), in_static.left_out().count()), (12, 0));
     for (text, rows) in [(on_axis, 0), (several.clone(), 1), (value, 0)] {
         let model = super::from_text::model(Ccx, &text);
         assert_eq!((model.equations(), model.left_out().count()), (rows, 1), "{text}");

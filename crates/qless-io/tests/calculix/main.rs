@@ -16,6 +16,8 @@ mod from_text;
 mod generated;
 /// Parameters of Abaqus.
 mod parameters;
+/// `*PRE-TENSION SECTION` of ccx.
+mod pre_tension;
 /// Decks that stop ccx when it reads them.
 mod refused;
 /// Masters that an equation names twice, in ccx.

@@ -14,6 +14,11 @@ fn decks() -> Vec<(String, &'static str, &'static str)> {
     let kinematic = |from: &str, to: &str| format!("{}1,3\n*BOUNDARY\n9,2,6\n", COUPLING.replace(from, to));
     vec![
         (String::new(), "*EQUATION\n2\n5,3,1.,6,3,-1.\n", "*EQUATION follows the start of a step"),
+        (
+            "*BOUNDARY\n9,1,3\n".into(),
+            "*PRE-TENSION SECTION, SURFACE=STOP, NODE=9\n0.,0.,1.\n",
+            "*PRE-TENSION SECTION follows the start of a step",
+        ),
         (equation("2\n5,3,1.,SB,3,-1."), "", "names a node set"),
         (equation("2\n5,3,1.,6,3"), "", "has no coefficient"),
         (equation("2\n5,3,1.,6,3,"), "", "has no coefficient"),

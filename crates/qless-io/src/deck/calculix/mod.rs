@@ -10,10 +10,11 @@
 //! | `cards` | equations and prescribed values of each card that constrains |
 //! | `write` | the cleaned deck |
 //!
-//! `reader` reads the cards in order; `values` passes values and loads from step to step.
+//! `reader` reads the cards in order; `values` passes values and loads from step to step; `nodes` checks and names the nodes.
 
 mod cards;
 mod model;
+mod nodes;
 mod reader;
 mod syntax;
 mod values;

@@ -1,13 +1,16 @@
 //! Builds the model from the cards of a deck. Each step inherits the removals of earlier steps; for its values, see `values`.
 
 use super::cards::body_rotations::{self, ReadBody};
-use super::cards::mean_rotation::{self, MeanRotation};
+use super::cards::free_slave::{self, ChosenSlave, SlaveRule};
+use super::cards::mean_rotation::MeanRotation;
+use super::cards::pre_tension::{self, CutNodes};
 use super::cards::{cyclic, equation, expanded, mpc, old_coupling, refused, rigid, tie, unread};
+use super::nodes;
 use crate::deck::calculix::cards::coupling::{self, CouplingCard};
 use crate::deck::calculix::cards::rigid::BodyReference;
 use crate::deck::calculix::model::DeckDefinitions;
+use crate::deck::calculix::syntax::KeywordCard;
 use crate::deck::calculix::syntax::walk::walk;
-use crate::deck::calculix::syntax::{FieldFault, KeywordCard};
 use crate::deck::calculix::values::StepValues;
 use crate::deck::{DeckError, Model, Problem, Solver, Sources};
 
@@ -18,7 +21,7 @@ use crate::deck::{DeckError, Model, Problem, Solver, Sources};
 pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
     let mut has_mpc = false;
     let mut definitions = DeckDefinitions::read(sources, |card| has_mpc |= mpc::is_nonlinear(card))?;
-    check_fields(&definitions, sources)?;
+    nodes::check_fields(&definitions, sources)?;
     // In ccx, some types of `*MPC` make all steps nonlinear.
     definitions.steps.is_nonlinear |= has_mpc && sources.solver() == Solver::Ccx;
     let mut reader = CalculixReader::new(sources, definitions)?;
@@ -54,7 +57,9 @@ struct CalculixReader {
     open_coupling: Option<(u32, u32)>,
     /// File, line and reference of the couplings that only distribute forces.
     forces: Vec<(u32, u32, u32)>,
-    mean_rotations: Vec<MeanRotation>,
+    /// Equations whose slaves are chosen at the end.
+    chosen: Vec<ChosenSlave>,
+    sections: Vec<CutNodes>,
     bodies: Vec<ReadBody>,
     /// Reference, file and line of the kinematic couplings in global axes. Others never make ccx stop.
     couplings: Vec<ReadBody>,
@@ -67,7 +72,7 @@ impl CalculixReader {
     fn new(sources: &Sources, definitions: DeckDefinitions) -> Result<Self, DeckError> {
         let mut model = Model::new(sources.paths().to_vec());
         model.reserve(definitions.equations, definitions.terms);
-        name_nodes(&mut model, &definitions)?;
+        nodes::name(&mut model, &definitions)?;
         Ok(Self {
             solver: sources.solver(),
             model,
@@ -77,7 +82,8 @@ impl CalculixReader {
             coupling: None,
             open_coupling: None,
             forces: Vec::new(),
-            mean_rotations: Vec::new(),
+            chosen: Vec::new(),
+            sections: Vec::new(),
             bodies: Vec::new(),
             couplings: Vec::new(),
             sectors: Vec::new(),
@@ -161,6 +167,7 @@ impl CalculixReader {
                 self.model.warn(card.file, card.line, text);
             }
             b"*CYCLICSYMMETRYMODEL" => self.sectors.push(card.clone()),
+            b"*PRE-TENSIONSECTION" if self.solver == Solver::Ccx => self.pre_tension(card)?,
             _ => unread::read(card, &mut self.model, &self.definitions),
         }
         Ok(())
@@ -170,7 +177,17 @@ impl CalculixReader {
     fn note_mean_rotation(&mut self, equation: usize, nodes: Vec<u32>) {
         let dofs = self.model.nth(equation).columns.iter().map(|&j| self.model.dofs[j as usize]);
         let prescribed = dofs.filter(|dof| self.values.prescribes(*dof)).collect();
-        self.mean_rotations.push(MeanRotation { equation, prescribed, nodes });
+        let rule = SlaveRule::MeanRotation(MeanRotation { prescribed, nodes });
+        self.chosen.push(ChosenSlave { equation, rule });
+    }
+
+    fn pre_tension(&mut self, card: &KeywordCard) -> Result<(), DeckError> {
+        let equation = self.model.equations();
+        let is_late = self.values.has_begun();
+        let (nodes, rule) = pre_tension::read(card, is_late, &mut self.model, &self.definitions)?;
+        self.sections.push(nodes);
+        self.chosen.extend(rule.map(|rule| ChosenSlave { equation, rule }));
+        Ok(())
     }
 
     /// Leaves out the last `*COUPLING` if no `*KINEMATIC` or `*DISTRIBUTING` followed it.
@@ -231,8 +248,9 @@ impl CalculixReader {
         for card in std::mem::take(&mut self.cyclic) {
             tie::leave_out(&card, "CYCLIC SYMMETRY", &mut self.model, &self.definitions);
         }
-        mean_rotation::choose_slaves(&mut self.model, &self.mean_rotations);
-        self.check_nodes()?;
+        free_slave::choose(&mut self.model, &self.chosen);
+        pre_tension::leave_out_shared(&mut self.model, &self.sections);
+        nodes::check(&self.model, &self.definitions)?;
         self.values.say_unknown(&mut self.model);
         self.warn_of_forces();
         if self.solver == Solver::Ccx {
@@ -265,53 +283,4 @@ impl CalculixReader {
             }
         }
     }
-
-    /// Refuses equations that name undefined nodes. The error names the undefined node with the lowest number, and its first equation.
-    fn check_nodes(&self) -> Result<(), DeckError> {
-        let defined = self.definitions.node_numbers();
-        if defined.is_empty() || self.definitions.has_unknown_nodes() {
-            return Ok(());
-        }
-        let mut used: Vec<u32> = self.model.dofs.iter().map(|dof| dof.node).collect();
-        used.sort_unstable();
-        used.dedup();
-        let mut rest = defined.as_slice();
-        let undefined = |node: &&u32| {
-            rest = &rest[rest.partition_point(|defined| defined < *node)..];
-            rest.first() != Some(*node)
-        };
-        let Some(&node) = used.iter().find(undefined) else { return Ok(()) };
-        let names = |i: &usize| self.model.nth(*i).columns.iter().any(|&j| self.model.dofs[j as usize].node == node);
-        let origin = (0..self.model.equations()).find(names).map(|i| self.model.nth(i).origin);
-        let problem = Problem::Undefined { what: "node", name: self.model.node_name(node) };
-        origin.map_or(Ok(()), |origin| Err(self.model.error(origin, None, problem)))
-    }
-}
-
-/// Checks the fields of the cards that define nodes, and that generate nodes and elements.
-fn check_fields(definitions: &DeckDefinitions, sources: &Sources) -> Result<(), DeckError> {
-    let error = |card: &str, file: u32, line: u32, (field, problem): FieldFault| {
-        let path = sources.path(file as usize).to_path_buf();
-        Err(DeckError { path, line: line as usize, card: card.into(), field, problem })
-    };
-    if let Some((card, file, line, fault)) = &definitions.wrong {
-        return error(card, *file, *line, fault.clone());
-    }
-    definitions.check_nodes().or_else(|(line, fault)| error("*NODE", line.file, line.number, fault))
-}
-
-/// Gives the nodes of each instance their names in the model, from the instance and their numbers in it.
-fn name_nodes(model: &mut Model, definitions: &DeckDefinitions) -> Result<(), DeckError> {
-    if definitions.instances.is_empty() {
-        return Ok(());
-    }
-    let fail = |problem| {
-        let path = model.files()[0].clone();
-        DeckError { path, line: 0, card: "*INSTANCE".into(), field: None, problem }
-    };
-    let numbers = definitions.numbers().map_err(fail)?;
-    for (instance, (first, own)) in definitions.instances.iter().zip(numbers.instances()) {
-        model.name_nodes(*first, instance.name.clone(), own.clone());
-    }
-    Ok(())
 }

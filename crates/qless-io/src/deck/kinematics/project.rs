@@ -4,7 +4,7 @@
 use rustc_hash::FxHashMap;
 
 use crate::deck::Problem;
-use crate::deck::kinematics::vector::{Vector, dot, length, minus, plus, scaled};
+use crate::deck::kinematics::vector::{Vector, cross, dot, length, minus, plus, scaled};
 use crate::fault::quote;
 
 /// Values of shape functions below this are rounding errors.
@@ -40,7 +40,12 @@ impl MasterFace {
         faces.iter().map(Self::size).sum::<f64>() / faces.len().max(1) as f64
     }
 
-    fn new(nodes: Vec<u32>, is_line: bool, position: impl Fn(u32) -> Result<Vector, Problem>) -> Result<Self, Problem> {
+    /// Makes a face of its nodes: the corners in order, then the middle nodes of the edges.
+    pub fn new(
+        nodes: Vec<u32>,
+        is_line: bool,
+        position: impl Fn(u32) -> Result<Vector, Problem>,
+    ) -> Result<Self, Problem> {
         let points = nodes.iter().map(|&node| position(node)).collect::<Result<_, _>>()?;
         let shape = shape::FaceShape::with_nodes(nodes.len(), is_line).ok_or_else(|| Problem::Expected {
             expected: "a master face with 2, 3, 4, 6 or 8 nodes",
@@ -53,6 +58,21 @@ impl MasterFace {
     pub fn least_diagonal(&self) -> f64 {
         let corner = |k: usize| self.points[k.min(self.points.len() - 1)];
         length(minus(corner(0), corner(2))).min(length(minus(corner(1), corner(3))))
+    }
+
+    /// The normal at the centre of the face, by the right-hand rule about its corners. Its length is not 1.
+    pub fn normal(&self) -> Vector {
+        self.normal_at(self.shape.centre())
+    }
+
+    /// The normal at the middle of the edge from corner `k` to the next one.
+    pub fn normal_at_edge(&self, k: usize) -> Vector {
+        self.normal_at(self.shape.middle(k))
+    }
+
+    fn normal_at(&self, xi: [f64; 2]) -> Vector {
+        let [s, t] = self.shape.at(xi).1.map(|slope| self.sum(&slope));
+        cross(s, t)
     }
 
     /// The longest side of the bounding box of the face.
@@ -170,6 +190,14 @@ mod shape {
 
         pub fn centre(self) -> [f64; 2] {
             if matches!(self, Self::Triangle3 | Self::Triangle6) { [1.0 / 3.0; 2] } else { [0.0; 2] }
+        }
+
+        /// The parameters of the middle of the edge from corner `k` to the next one.
+        pub fn middle(self, k: usize) -> [f64; 2] {
+            let is_triangle = matches!(self, Self::Triangle3 | Self::Triangle6);
+            let corners: &[[f64; 2]] = if is_triangle { &[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]] } else { &CORNERS };
+            let [a, b] = [k, k + 1].map(|k| corners[k % corners.len()]);
+            [0, 1].map(|axis| f64::midpoint(a[axis], b[axis]))
         }
 
         /// The parameters s and t, clamped to the face.

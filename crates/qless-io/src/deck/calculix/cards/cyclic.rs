@@ -7,7 +7,8 @@
 //!
 //! For nodal diameter N, the right-hand side has the factor `e^(i N a)`, a the angle of a sector. If no other equation has DOFs of the two
 //! sides, and their prescribed values are zero, then motions of the master side times this factor fulfil the equations exactly where the
-//! motions themselves fulfil those of nodal diameter 0: what is redundant, and why, is the same for all N.
+//! motions themselves fulfil those of nodal diameter 0: what is redundant, and why, is the same for all N. Values other than zero do not
+//! matter if all steps are `*STATIC`, which have nodal diameter 0, or `*FREQUENCY`, whose modes are zero there.
 
 use std::collections::BTreeSet;
 
@@ -20,7 +21,7 @@ use crate::deck::kinematics::axes::Frame;
 use crate::deck::kinematics::body::Poses;
 use crate::deck::kinematics::project::{FaceGrid, MasterFace};
 use crate::deck::kinematics::vector::{Vector, dot, length, minus, plus, scaled};
-use crate::deck::{DeckError, Dof, Model, Problem};
+use crate::deck::{DeckError, Dof, Model, Prescribed, Problem};
 use crate::fault::quote;
 
 /// Default for the largest distance between a slave node and its partner, relative to the size of the slave side.
@@ -91,15 +92,17 @@ impl<'a> Sector<'a> {
         Ok(Self { definitions, axis, angle, slaves, masters, faces, tolerance })
     }
 
-    /// Whether no equation that has been read has DOFs of the two sides, they have no node in common, and their prescribed values are zero.
+    /// Whether no equation that has been read has DOFs of the two sides, they have no node in common, and their prescribed values are zero or
+    /// act in static steps only.
     fn is_alone(&self, model: &Model) -> bool {
         let sides: BTreeSet<u32> = self.slaves.iter().chain(&self.masters).copied().collect();
         let is_apart = sides.len() == self.slaves.len() + self.masters.len();
         let has_equation = |&node: &u32| (1..=3).any(|component| model.column(Dof { node, component }).is_some());
+        let has_value = |given: &Prescribed| given.value != 0.0 && sides.contains(&given.dof.node);
         let mut given = model.cases.iter().flat_map(|case| &case.prescribed);
         is_apart
             && !sides.iter().any(has_equation)
-            && !given.any(|given| given.value != 0.0 && sides.contains(&given.dof.node))
+            && (self.definitions.steps.are_static_or_modes() || !given.any(has_value))
     }
 
     /// The equations of all slaves. `None` if a slave lies on the axis, or has neither a partner nor a master face nearby.

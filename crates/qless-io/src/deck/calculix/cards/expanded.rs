@@ -18,10 +18,12 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use crate::deck::calculix::cards::mean_rotation;
 use crate::deck::calculix::model::DeckDefinitions;
 use crate::deck::calculix::model::elements::ElementShape;
+use crate::deck::calculix::model::steps::StepTraits;
 use crate::deck::kinematics::vector::Vector;
-use crate::deck::{Dof, Model, Origin, Prescribed};
+use crate::deck::{Dof, LoadCase, Model, Origin, Prescribed};
 
 const ROTATION: &str = "with equations of their own for rotations";
+const PROJECTED: &str = "and holds only the part of the rotation in the plane of the shell";
 const MPC: &str = "with rules of its own for *MPC";
 const THIRD: &str = "of which component 3 stays zero";
 
@@ -34,13 +36,15 @@ pub fn leave_out(model: &mut Model, definitions: &DeckDefinitions) {
         return;
     }
     let mut found = Found::new();
-    let held = HeldRotations::new(definitions);
+    let held = HeldRotations::new(model, definitions);
     let mut note = |why, dof, origin| {
         found.entry(why).or_insert_with(|| (origin, dof, BTreeSet::new())).2.insert(dof);
     };
     for given in model.cases.iter().flat_map(|case| &case.prescribed) {
-        if is_rotation(given.dof, definitions) && !held.has(given) {
-            note(ROTATION, given.dof, given.origin);
+        match is_rotation(given.dof, definitions) {
+            true if !held.has(given) => note(ROTATION, given.dof, given.origin),
+            true if held.is_projected(given) => note(PROJECTED, given.dof, given.origin),
+            _ => {}
         }
     }
     for equation in (0..model.equations()).map(|i| model.nth(i)) {
@@ -54,16 +58,27 @@ pub fn leave_out(model: &mut Model, definitions: &DeckDefinitions) {
         let card = model.cards.nth(origin.card);
         let (more, name) = (all.len() - 1, model.dof_name(dof));
         let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-        let text = format!("{} at {name}{more}: ccx expands the elements there into solids {why}: left out", card.name);
-        model.leave_out(card.file, origin.line, text);
+        let text = format!("{} at {name}{more}: ccx expands the elements there into solids {why}", card.name);
+        if why == PROJECTED {
+            model.warn(card.file, origin.line, text);
+        } else {
+            model.leave_out(card.file, origin.line, text + ": left out");
+        }
     }
 }
 
-/// Prescribed rotations that ccx holds by mean rotations, which clash with nothing: zeros at nodes of shells alone, and values at nodes of beams
-/// alone that are all along one global axis. (Of a shell, ccx projects rotations to its plane, which keeps zeros. The equations of other
-/// beams may clash.)
+/// Prescribed rotations that ccx holds without a clash, at nodes of shells alone or of beams alone:
+///
+/// - By mean rotations, it holds rotations of shells, projected to their plane, and rotations of beams that are all along one global axis.
+///   The equations of other beams may clash, and a rotation that a later step releases leaves the stiffness singular.
+/// - If the only step is dynamic, it makes the section at the node a rigid body. Then it holds all rotations of beams, and zeros of shells
+///   if all three rotations are prescribed. With others, or with elements S8R, the stiffness may be singular.
 struct HeldRotations<'a> {
     definitions: &'a DeckDefinitions,
+    /// Rotations that are prescribed as zero in a step, and those that a later step releases.
+    zeros: FxHashSet<Dof>,
+    released: FxHashSet<Dof>,
+    has_s8r: bool,
     /// The global axis of all beams and trusses at a node; `None` if they have not one axis.
     axes: FxHashMap<u32, Option<usize>>,
     /// Nodes whose components are along axes of their own.
@@ -71,7 +86,15 @@ struct HeldRotations<'a> {
 }
 
 impl<'a> HeldRotations<'a> {
-    fn new(definitions: &'a DeckDefinitions) -> Self {
+    fn new(model: &'a Model, definitions: &'a DeckDefinitions) -> Self {
+        let rotations = |case: &'a LoadCase| case.prescribed.iter().filter(|given| given.dof.component > 3);
+        let zeros = model.cases.iter().flat_map(rotations).filter(|given| given.value == 0.0).map(|given| given.dof);
+        let is_in = |case: &LoadCase, dof: &Dof| case.prescribed.binary_search_by_key(dof, |given| given.dof).is_ok();
+        let steps = model.cases.windows(2);
+        let released =
+            steps.flat_map(|two| rotations(&two[0]).map(|given| given.dof).filter(|dof| !is_in(&two[1], dof)));
+        let (zeros, released) = (zeros.collect(), released.collect());
+        let has_s8r = definitions.blocks.iter().any(|block| block.kind.starts_with("S8R"));
         let mut axes: FxHashMap<u32, Option<usize>> = FxHashMap::default();
         for bar in definitions.elements().iter().flat_map(|elements| elements.bars()) {
             let axis = global_axis(bar, definitions);
@@ -80,18 +103,29 @@ impl<'a> HeldRotations<'a> {
                 *of_node = of_node.filter(|_| *of_node == axis);
             }
         }
-        Self { definitions, axes, turned: definitions.nodes_with_axes().collect() }
+        Self { definitions, zeros, released, has_s8r, axes, turned: definitions.nodes_with_axes().collect() }
     }
 
     fn has(&self, given: &Prescribed) -> bool {
         let node = given.dof.node;
         let shapes = self.definitions.expanded_at(node);
         let are_shells = shapes.iter().all(|shape| shape.is_shell() && shape.rotates && !shape.is_flat);
-        let are_beams = || shapes.iter().all(|shape| !shape.is_shell() && shape.rotates && !shape.is_flat);
+        let are_beams = shapes.iter().all(|shape| !shape.is_shell() && shape.rotates && !shape.is_flat);
         let has_axis = || self.axes.get(&node).is_some_and(Option::is_some);
-        // Rigid bodies, which nonlinear dynamic steps make instead of mean rotations, may leave the stiffness singular.
-        let is_mean = !self.definitions.steps.is_dynamic && !self.turned.contains(&node);
-        is_mean && (are_shells && given.value == 0.0 || are_beams() && has_axis())
+        let is_clamped = || (4..=6).all(|component| self.zeros.contains(&Dof { node, component }));
+        !self.turned.contains(&node)
+            && !self.released.contains(&given.dof)
+            && match self.definitions.steps {
+                StepTraits { is_dynamic: false, .. } => are_shells || are_beams && has_axis(),
+                StepTraits { count: 1, .. } => !self.has_s8r && (are_beams || are_shells && is_clamped()),
+                _ => false,
+            }
+    }
+
+    /// Whether ccx holds only a part of this rotation: that in the plane of the shell.
+    fn is_projected(&self, given: &Prescribed) -> bool {
+        let node = given.dof.node;
+        given.value != 0.0 && self.definitions.expanded_at(node).iter().any(ElementShape::is_shell)
     }
 }
 

@@ -1,8 +1,7 @@
 //! Reads `*MPC` of type MEANROT, and chooses the slave that ccx chooses for it.
 //!
 //! ccx searches the nodes in the order of the card, usually up to the first node with a free DOF. The slave is the free DOF with the
-//! largest coefficient. Here a DOF is free unless it is the slave of an earlier equation or is prescribed earlier. ccx reads `*COUPLING`
-//! before all other cards and `*TIE` after them. Therefore the slaves are chosen after the whole deck is read.
+//! largest coefficient. Here a DOF is free unless it is the slave of an earlier equation or is prescribed earlier.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -19,41 +18,19 @@ pub const NAME: &str = "*MPC MEANROT";
 const SMALLEST: f64 = 1e-5;
 /// For at most this many nodes, coefficients are summed in the order of ccx.
 const ADDED: usize = 2000;
-const NONE_FREE: &str =
-    "all DOFs that could be its slave are slaves or prescribed already, or have coefficients below 1e-5";
 
-/// A `MEANROT`: its equation, the DOFs that are prescribed before its card, and its nodes.
+/// What ccx knows of a `MEANROT` when it searches for its slave.
 pub struct MeanRotation {
-    pub equation: usize,
+    /// The DOFs that are prescribed before its card.
     pub prescribed: FxHashSet<Dof>,
     /// The nodes that the card lists, each once and in its order.
     pub nodes: Vec<u32>,
 }
 
-/// Gives each mean rotation, in the order of the deck, the slave that ccx chooses. If ccx finds none, it makes no equation, so the equation
-/// is marked as missing.
-pub fn choose_slaves(model: &mut Model, rotations: &[MeanRotation]) {
-    let name = |model: &Model, i: usize| model.cards.nth(model.nth(i).origin.card).name;
-    let own = |model: &Model, i: usize| model.nth(i).columns.first().copied();
-    let all = (0..model.equations()).filter(|_| !rotations.is_empty());
-    let coupled = all.filter(|&i| name(model, i) == "*KINEMATIC");
-    let mut taken: FxHashSet<u32> = coupled.filter_map(|i| own(model, i)).collect();
-    let mut next = 0;
-    for rotation in rotations {
-        let before = (next..rotation.equation).filter(|&i| name(model, i) != "*TIE" && model.why_missing(i).is_none());
-        taken.extend(before.filter_map(|i| own(model, i)));
-        next = rotation.equation;
-        match slave(model, rotation, &taken) {
-            Some(at) => model.lead(rotation.equation, at),
-            None => model.mark_missing(rotation.equation, NONE_FREE),
-        }
-    }
-}
-
 /// Index of the slave's term. The slave has the largest coefficient of all free DOFs, up to the first node with a free DOF. If component 3
 /// of that node is not free and has a larger coefficient, ccx goes on to the next node.
-fn slave(model: &Model, rotation: &MeanRotation, taken: &FxHashSet<u32>) -> Option<usize> {
-    let own = model.nth(rotation.equation);
+pub fn slave(model: &Model, equation: usize, rotation: &MeanRotation, taken: &FxHashSet<u32>) -> Option<usize> {
+    let own = model.nth(equation);
     let terms: FxHashMap<Dof, usize> = own.columns.iter().map(|&j| model.dofs[j as usize]).zip(0..).collect();
     let is_taken = |at: usize, dof: &Dof| taken.contains(&own.columns[at]) || rotation.prescribed.contains(dof);
     let (mut found, mut largest) = (None, SMALLEST);

@@ -68,6 +68,7 @@ pub fn claim_named(card: &KeywordCard, coupled: Vec<u32>, model: &mut Model, def
     for set in ["NSET", "TIENSET", "PINNSET", "REFNODE"].iter().filter_map(|name| card.parameter(name)) {
         nodes.extend(definitions.node_or_set(scope, set.as_bytes()).unwrap_or_default());
     }
+    nodes.extend(self::nodes(card, definitions).unwrap_or_default());
     nodes.extend(card.parameter("ELSET").and_then(|set| definitions.nodes_of(scope, set).ok()).unwrap_or_default());
     for field in card.lines().flat_map(|line| line.fields()) {
         if card.is("*MPC") {

@@ -1,11 +1,13 @@
 //! What a deck defines (nodes, sets, elements and so on), and the lookups that cards need.
 
 use std::cell::{OnceCell, RefCell};
+use std::ops::Range;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::deck::calculix::model::elements::{ElementShape, MeshElements};
 use crate::deck::calculix::model::instances::{Instance, InstanceMotion, NodeNumbers};
+use crate::deck::calculix::model::steps::StepTraits;
 use crate::deck::calculix::model::{
     AxesCard, ElementDefinition, Generation, LocalAxes, ScopedName, SetMembers, SetPart, SetTable, SurfaceCard, axes,
 };
@@ -20,17 +22,6 @@ use crate::deck::kinematics::body::Poses;
 use crate::deck::kinematics::vector::Vector;
 use crate::deck::source::SolverReason;
 use crate::deck::{DeckError, Problem, Solver, Sources};
-
-/// What steps of the deck ask for.
-#[derive(Default)]
-pub struct StepTraits {
-    /// Whether a step is geometrically nonlinear.
-    pub is_nonlinear: bool,
-    /// Whether a step integrates over time.
-    pub is_dynamic: bool,
-    /// Whether a step asks for modes of several nodal diameters.
-    pub has_diameters: bool,
-}
 
 /// The definitions of a deck: nodes, sets, elements and so on. They are kept as text until they are needed.
 #[derive(Default)]
@@ -124,6 +115,7 @@ impl DeckDefinitions {
         let key = |parameter| (card.scope, card.word(parameter).unwrap_or_default());
         let has_system = card.is("*NODE") && card.parameter("SYSTEM").is_some();
         self.is_abaqus |= has_system || ONLY_ABAQUS.iter().any(|keyword| card.is(keyword));
+        self.steps.note(card);
         match card.keyword.as_slice() {
             b"*INSTANCE" => self.instance(card),
             b"*ASSEMBLY" => self.assemblies.extend(card.word("NAME")),
@@ -159,9 +151,6 @@ impl DeckDefinitions {
             }
             b"*ORIENTATION" => _ = self.orientations.insert(key("NAME"), axes(card, "SYSTEM")),
             b"*AMPLITUDE" => self.amplitudes.extend(card.word("NAME")),
-            b"*STEP" => self.steps.is_nonlinear |= card.word("NLGEOM").is_some_and(|value| value != "NO"),
-            b"*DYNAMIC" => self.steps.is_dynamic = true,
-            b"*SELECTCYCLICSYMMETRYMODES" => self.steps.has_diameters = true,
             b"*EQUATION" => card.data.iter().for_each(|piece| self.count(piece)),
             b"*SYSTEM" => self.system(card),
             b"*NGEN" => self.generate_nodes(card),
@@ -296,12 +285,17 @@ impl DeckDefinitions {
 
     /// Adds a node that the solver makes. Returns its number, which no other node has.
     pub fn make_node(&self, position: Vector) -> Result<u32, Problem> {
+        self.make_nodes(&[position]).map(|nodes| nodes.start)
+    }
+
+    /// Adds nodes that the solver makes. Returns their numbers, which no other nodes have.
+    pub fn make_nodes(&self, positions: &[Vector]) -> Result<Range<u32>, Problem> {
         let advice = "use smaller numbers";
         let limit = Problem::Limit { what: "the largest number of a node", limit: u32::MAX as usize, advice };
-        let last = self.node_numbers().last().copied().unwrap_or(0);
-        let node = last.checked_add(1).ok_or(limit)?;
-        self.made.borrow_mut().insert(node, position);
-        Ok(node)
+        let first = self.node_numbers().last().map_or(Some(1), |last| last.checked_add(1)).ok_or(limit.clone())?;
+        let end = u32::try_from(positions.len()).ok().and_then(|count| first.checked_add(count)).ok_or(limit)?;
+        self.made.borrow_mut().extend((first..end).zip(positions.iter().copied()));
+        Ok(first..end)
     }
 
     /// All elements.

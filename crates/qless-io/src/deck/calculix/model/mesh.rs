@@ -89,6 +89,8 @@ impl DeckDefinitions {
 pub struct DeckSurface {
     pub nodes: Vec<u32>,
     pub faces: Vec<Vec<u32>>,
+    /// The element of each face.
+    pub elements: Vec<u32>,
     /// Whether the faces are edges of plane elements or of shells.
     pub is_line: bool,
     /// Whether some faces belong to shells or membranes.
@@ -143,6 +145,7 @@ impl DeckSurface {
             self.is_line = is_line;
             self.has_shells |= shape.is_shell();
             self.faces.push(nodes);
+            self.elements.push(element);
         }
         Ok(())
     }

@@ -7,6 +7,7 @@ pub mod generated;
 pub mod instances;
 pub mod mesh;
 pub mod sets;
+pub mod steps;
 
 pub use definitions::DeckDefinitions;
 pub use mesh::DeckSurface;
