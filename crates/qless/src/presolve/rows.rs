@@ -163,14 +163,14 @@ mod tests {
             };
             let (mut exact, rhs) = number();
             let mut row = WorkingRow::new(rhs);
-            for sign in (0..1 + case % 6).map(|k| if k % 3 == 2 { -1 } else { 1 }) {
+            for sign in (0..=case % 6).map(|k| if k % 3 == 2 { -1 } else { 1 }) {
                 let (part, value) = number();
                 exact -= i128::from(sign) * part;
                 row.prescribe(f64::from(sign) * value);
             }
             let error = (row.effective - ldexp(exact as f64, -60)).abs();
             assert!(error <= row.effective_error, "{case}: {error:e} of {:e}", row.effective_error);
-            assert!(row.effective.abs() <= row.effective_size * (2 + case % 6) as f64, "{case}");
+            assert!(row.effective.abs() <= row.effective_size * f64::from(2 + case % 6), "{case}");
         }
     }
 }
