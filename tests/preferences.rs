@@ -20,10 +20,23 @@ on_each_backend!(
 /// A small system with planted combinations, and the DOFs and rows that preferences name.
 fn systems() -> impl Strategy<Value = (ConstraintSystem, Vec<bool>)> {
     let sizes = (2_usize..9, 1_usize..6, 1_usize..5, any::<bool>(), 0_u64..500);
-    (sizes, vec(any::<bool>(), 40)).prop_map(|((rows, more, combos, conflict, seed), named)| {
-        let planted = Planted { rows, dofs: rows + more, combos, terms: 2, conflict };
-        (planted.scene(seed).expect("in range").system, named)
-    })
+    (sizes, vec(any::<bool>(), 40), vec(-8..=8_i32, 12)).prop_map(
+        |((rows, more, combos, conflict, seed), named, units)| {
+            let planted = Planted { rows, dofs: rows + more, combos, terms: 2, conflict };
+            (in_units(&planted.scene(seed).expect("in range").system, &units), named)
+        },
+    )
+}
+
+/// The system with DOFs in other units, which are powers of two.
+fn in_units(system: &ConstraintSystem, powers: &[i32]) -> ConstraintSystem {
+    let unit = |j: usize| 2_f64.powi(powers[j % powers.len()]);
+    let mut builder = SystemBuilder::new(system.dofs());
+    for i in 0..system.equations() {
+        builder.equation(system.matrix().row(i).map(|(j, v)| (j, v * unit(j))), system.rhs()[i]);
+    }
+    system.prescribed().iter().for_each(|&(j, value)| builder.prescribe(j, value / unit(j)));
+    builder.build().expect("valid")
 }
 
 fn hold(test: impl Fn(&ConstraintSystem, &[bool])) {

@@ -4,6 +4,8 @@
 mod fixed_dofs;
 #[path = "verdicts/noise.rs"]
 mod noise;
+#[path = "verdicts/reductions.rs"]
+mod reductions;
 #[path = "verdicts/right_hand_sides.rs"]
 mod right_hand_sides;
 

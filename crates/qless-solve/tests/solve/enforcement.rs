@@ -83,6 +83,34 @@ fn plan_is_by_block_and_can_be_changed() -> Outcome {
     Ok(())
 }
 
+/// Random sets of DOFs, each with a random spanning tree of ties, numbered at random. Each set of two or more is a block of a plan.
+#[test]
+fn blocks_of_a_plan_are_the_equations_that_share_free_dofs() -> Outcome {
+    let below = |seed: usize, count: usize| ((random(seed) + 0.5) * 1e6) as usize % count;
+    for seed in 0..100 {
+        let set: Vec<usize> = (0..DOFS).map(|j| below(1000 * seed + j, 9)).collect();
+        let mut builder = SystemBuilder::new(DOFS);
+        let mut ties: Vec<(usize, usize)> = Vec::new();
+        for j in 0..DOFS {
+            let before: Vec<usize> = (0..j).filter(|&i| set[i] == set[j]).collect();
+            if let Some(&i) = before.get(below(1000 * seed + 500 + j, before.len().max(1))) {
+                ties.push((j, i));
+            }
+        }
+        ties.sort_by_key(|&(j, i)| (7 * j + 11 * i + seed) % 13);
+        ties.iter().for_each(|&(j, i)| _ = builder.equation([(j, 1.0), (i, -1.0)], 0.0));
+        let (k, f, system) = (stiffness(0.0)?, loads(), builder.build()?);
+        let mut found: Vec<Vec<usize>> =
+            Problem::new(&k, &f, &system)?.plan(2.0)?.into_iter().map(|block| block.rows).collect();
+        let of_set = |of: usize| (0..ties.len()).filter(|&row| set[ties[row].0] == of).collect::<Vec<_>>();
+        let mut expected: Vec<Vec<usize>> = (0..9).map(of_set).filter(|rows| !rows.is_empty()).collect();
+        found.sort();
+        expected.sort();
+        assert_eq!(found, expected, "{seed}");
+    }
+    Ok(())
+}
+
 /// The error of the penalty method falls as 1 / factor: its slope on doubly logarithmic paper is -1.
 #[test]
 fn penalty_follows_its_theory() -> Outcome {

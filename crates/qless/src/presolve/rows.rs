@@ -98,7 +98,8 @@ impl WorkingRow {
     pub fn prescribe(&mut self, part: f64) {
         self.effective -= part;
         self.effective_size = self.effective_size.max(part.abs());
-        self.effective_error += f64::EPSILON * part.abs();
+        // The product and the sum are rounded.
+        self.effective_error += f64::EPSILON * part.abs().max(self.effective.abs());
     }
 
     pub fn position(&self, dof: u32) -> Option<usize> {
@@ -142,5 +143,34 @@ impl WorkingRow {
 
     pub fn forget_table(&mut self) {
         self.table = None;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::WorkingRow;
+    use crate::common::SplitMix64;
+    use crate::input::scale::ldexp;
+
+    /// `b - sum parts`, compared with the sum in whole numbers.
+    #[test]
+    fn rounding_of_a_side_without_prescribed_terms_is_within_its_bound() {
+        let mut random = SplitMix64::new(3);
+        for case in 0..2000 {
+            let mut number = || {
+                let whole = i128::from(random.next() >> 11) << (random.next() % 8);
+                (whole, ldexp(whole as f64, -60))
+            };
+            let (mut exact, rhs) = number();
+            let mut row = WorkingRow::new(rhs);
+            for sign in (0..=case % 6).map(|k| if k % 3 == 2 { -1 } else { 1 }) {
+                let (part, value) = number();
+                exact -= i128::from(sign) * part;
+                row.prescribe(f64::from(sign) * value);
+            }
+            let error = (row.effective - ldexp(exact as f64, -60)).abs();
+            assert!(error <= row.effective_error, "{case}: {error:e} of {:e}", row.effective_error);
+            assert!(row.effective.abs() <= row.effective_size * f64::from(2 + case % 6), "{case}");
+        }
     }
 }

@@ -176,6 +176,62 @@ fn least_common_multiple(a: u128, b: u64) -> Option<u128> {
 #[cfg(test)]
 mod tests {
     use super::least_common_multiple;
+    use crate::diagnosis::exact::prime;
+    use crate::exact::Reading;
+    use crate::{Effort, Kind, Options, SystemBuilder, analyse};
+
+    /// The product of the first `count` primes of the list, as whole numbers below `base` times `1, base, base^2, ...`.
+    fn product(count: usize, base: u64) -> Vec<u64> {
+        let mut digits = vec![1];
+        for prime in prime::first(count) {
+            let mut carry = 0;
+            for digit in &mut digits {
+                carry += u128::from(*digit) * u128::from(*prime);
+                *digit = (carry % u128::from(base)) as u64;
+                carry /= u128::from(base);
+            }
+            while carry > 0 {
+                digits.push((carry % u128::from(base)) as u64);
+                carry /= u128::from(base);
+            }
+        }
+        digits
+    }
+
+    /// A ring of DOFs whose differences add up to a product of primes, in any unit: as right-hand sides, or as terms of prescribed DOFs.
+    #[test]
+    fn a_mismatch_that_is_zero_modulo_many_primes_is_proved_to_be_a_conflict() {
+        let readings = [(Reading::Typed, 10_u64, 15), (Reading::Stored, 2, 50)];
+        for (count, (numbers, base, width)) in (1..12).flat_map(|count| readings.map(|reading| (count, reading))) {
+            let digits = product(count, base.pow(width));
+            let n = digits.len();
+            let number = |k: usize, power: i32| -> f64 {
+                let power = width as i32 * k as i32 + power;
+                match numbers {
+                    Reading::Typed => format!("{}e{power}", digits[k]).parse().expect("a number"),
+                    Reading::Stored => digits[k] as f64 * 2_f64.powi(power),
+                }
+            };
+            for (power, is_prescribed) in [0, -20, -100].into_iter().flat_map(|power| [(power, false), (power, true)]) {
+                let mut builder = SystemBuilder::new(2 * n + 1);
+                for k in 0..n {
+                    let difference = [(k, 1.0), (k + 1, -1.0)];
+                    if is_prescribed {
+                        builder.equation(difference.into_iter().chain([(n + 1 + k, -(base as f64))]), 0.0);
+                        builder.prescribe(n + 1 + k, number(k, power - 1));
+                    } else {
+                        builder.equation(difference, number(k, power));
+                    }
+                }
+                builder.equation([(0, 1.0), (n, -1.0)], 0.0);
+                let options = Options { effort: Effort::Proved, numbers, ..Options::default() };
+                let analysis = analyse(&builder.build().expect("valid"), &options).expect("small");
+                let (kind, proof) = (analysis.kinds()[n], analysis.proof().expect("asked for"));
+                let name = format!("{count} primes, {numbers:?}, power {power}, prescribed: {is_prescribed}");
+                assert_eq!((kind, proof.exact, proof.unproved.len()), (Kind::Conflicting, 1, 0), "{name}");
+            }
+        }
+    }
 
     #[test]
     fn least_common_multiples_are_least() {

@@ -105,7 +105,7 @@ impl Vectors {
         let mut hold = true;
         for moves in &mut self.moves {
             moves.iter_mut().filter(|v| v.abs() <= zero).for_each(|v| *v = 0.0);
-            if moves.contains(&0.0) && moves.iter().any(|&v| v != 0.0) {
+            if moves.contains(&0.0) {
                 hold &= resting::set_needed(matrix, kept, moves, zero);
             }
         }

@@ -162,3 +162,40 @@ fn solve(rows: &mut [RestingRow]) -> Vec<(usize, f64)> {
     };
     rows.iter().filter_map(motion).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::common::SplitMix64;
+
+    /// Rows of DOFs that move by about 1, and of DOFs whose motions are too small to be told from rounding but follow from the rows.
+    #[test]
+    fn rows_hold_with_the_motions_that_they_need() {
+        let (mut random, mut set) = (SplitMix64::new(5), 0);
+        for case in 0..500 {
+            let mut next = |most: f64| (2.0 * (random.next() >> 11) as f64 / (1_u64 << 53) as f64 - 1.0) * most;
+            let (rows, resting, moving) = (1 + case % 7, 1 + case % 5, 2 + case % 3);
+            let mut moves: Vec<f64> =
+                (0..resting + moving).map(|j| if j < resting { 0.0 } else { 2.0 + next(1.0) }).collect();
+            let small: Vec<f64> = (0..resting).map(|_| 1e-9 * next(1.0)).collect();
+            let mut matrix = Csr::empty(resting + moving);
+            for _ in 0..rows {
+                let mut row: Vec<f64> =
+                    (0..resting + moving).map(|_| if next(1.0) < 0.0 { 0.0 } else { next(1.0) }).collect();
+                let sum: f64 = (0..resting + moving - 1).map(|j| row[j] * small.get(j).unwrap_or(&moves[j])).sum();
+                row[resting + moving - 1] = -sum / moves[resting + moving - 1];
+                matrix.append(row.into_iter().enumerate().filter(|&(_, v)| v != 0.0));
+            }
+            let kept: Vec<usize> = (0..rows).collect();
+            let error = 1e-15;
+            let missed = |moves: &[f64], bound: f64| {
+                let gap = |i: &usize| matrix.row(*i).map(|(j, v)| v * moves[j]).sum::<f64>().abs();
+                kept.iter().filter(|i| gap(i) > bound).count()
+            };
+            set += missed(&moves, 1e-12);
+            assert!(set_needed(&matrix, &kept, &mut moves, error), "{case}");
+            assert_eq!(missed(&moves, 1e-13), 0, "{case}: {moves:?}");
+        }
+        assert!(set > 500, "{set}");
+    }
+}

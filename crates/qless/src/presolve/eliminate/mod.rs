@@ -202,3 +202,85 @@ impl LowFillElimination<'_> {
         self.out
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::common::SplitMix64;
+    use crate::presolve::rows::{Entry, WorkingRow};
+
+    fn eliminated(rows: &[Vec<(u32, f64)>], sides: &[f64], dofs: usize) -> Eliminated {
+        let row = |(row, &side): (&Vec<(u32, f64)>, &f64)| {
+            let mut new = WorkingRow::new(side);
+            row.iter().for_each(|&(j, v)| new.insert(Entry::given(j, v)));
+            new
+        };
+        let gathered = Gathered {
+            names: (0..rows.len() as u32).collect(),
+            dofs: (0..dofs as u32).collect(),
+            free: vec![true; dofs],
+            power: vec![0; dofs],
+            rows: rows.iter().zip(sides).map(row).collect(),
+        };
+        eliminate(gathered, 1e-10, false, &vec![false; rows.len()])
+    }
+
+    /// The mismatches, and the coefficients and sides of the remaining rows, each with the bound of its error.
+    fn numbers(eliminated: &Eliminated) -> Vec<(f64, f64)> {
+        let mismatches = eliminated.dead.iter().map(|dead| (dead.mismatch.value, dead.mismatch.error));
+        let rows = eliminated.core.iter().map(|&i| &eliminated.rows[i as usize]);
+        let sides = rows.clone().map(|row| (row.effective, row.effective_error));
+        let entries = rows.flat_map(|row| &row.entries).map(|entry| (entry.value, entry.error()));
+        mismatches.chain(sides).chain(entries).collect()
+    }
+
+    /// By differences. Coefficients that vanish count as zero, so that mismatches depend on the given sides only.
+    #[test]
+    fn bounds_of_errors_cover_a_rounding_of_each_number_given() {
+        const STEP: f64 = 1e-6;
+        let (mut random, mut ratios) = (SplitMix64::new(9), Vec::new());
+        for case in 0..1000 {
+            let mut below = |most: u64| random.next() % most;
+            let (m, n) = (4 + case % 5, 5 + case % 6);
+            let number = |k: u64| (if k.is_multiple_of(2) { 1.0 } else { -1.0 }) * (1 + k / 2) as f64 / 500.0;
+            let mut rows: Vec<Vec<(u32, f64)>> = Vec::new();
+            for _ in 1..m {
+                let mut row: Vec<_> =
+                    (0..2 + below(4)).map(|_| (below(n as u64) as u32, number(below(2000)))).collect();
+                row.sort_unstable_by_key(|&(j, _)| j);
+                row.dedup_by_key(|&mut (j, _)| j);
+                rows.push(row);
+            }
+            rows.push(rows[case % (m - 1)].iter().map(|&(j, v)| (j, -2.0 * v)).collect());
+            let sides: Vec<f64> = (0..m).map(|_| number(below(2000))).collect();
+            let given = eliminated(&rows, &sides, n);
+            let found = numbers(&given);
+            let mut effects = vec![0.0; found.len()];
+            let mut add = |rows: &[Vec<(u32, f64)>], sides: &[f64], first: usize| {
+                let changed = eliminated(rows, sides, n);
+                let pivots = |of: &Eliminated| of.steps.iter().map(|step| (step.row, step.dof)).collect::<Vec<_>>();
+                let new = numbers(&changed);
+                if pivots(&changed) == pivots(&given) && new.len() == found.len() {
+                    let effect = |k: usize| (new[k].0 - found[k].0).abs() / STEP * f64::EPSILON;
+                    (first..new.len()).for_each(|k| effects[k] += effect(k));
+                }
+            };
+            for i in 0..m {
+                let mut changed = sides.clone();
+                changed[i] *= 1.0 + STEP;
+                add(&rows, &changed, 0);
+                for k in 0..rows[i].len() {
+                    let mut changed = rows.clone();
+                    changed[i][k].1 *= 1.0 + STEP;
+                    add(&changed, &sides, given.dead.len());
+                }
+            }
+            for ((value, error), effect) in found.into_iter().zip(effects) {
+                assert!(effect <= 1.001 * error, "case {case}: {value} +- {error:e}, found {effect:e}");
+                ratios.push(error / effect);
+            }
+        }
+        ratios.sort_unstable_by(f64::total_cmp);
+        assert!(ratios.len() > 1000 && ratios[ratios.len() / 2] < 2.0, "{} numbers", ratios.len());
+    }
+}

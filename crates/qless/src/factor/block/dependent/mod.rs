@@ -144,9 +144,15 @@ mod tests {
         let mut matrix = Csr::empty(n);
         (0..m - 1).for_each(|i| matrix.append(row(i)));
         matrix.append(row(0).map(|(j, v)| (j, v * (1.0 + off * signed(7, j as u64)))));
+        block(matrix, vec![0; m], vec![Mismatch::default(); m])
+    }
+
+    /// A block without prescribed DOFs, with the rows 2, 4, 6, ....
+    fn block(matrix: Csr, exponents: Vec<i32>, effective: Vec<Mismatch>) -> Block {
+        let (m, n) = (matrix.rows(), matrix.cols);
         Block {
-            rows: (0..m as u32).collect(),
-            exponents: vec![0; m],
+            rows: (1..=m as u32).map(|i| 2 * i).collect(),
+            exponents,
             dofs: (0..n as u32).collect(),
             units: vec![0; n],
             balanced: vec![0; n],
@@ -154,10 +160,75 @@ mod tests {
             prescribed: Vec::new(),
             fixed: Csr { cols: 0, start: vec![0; m + 1], col: Vec::new(), val: Vec::new() },
             rhs: vec![0.0; m],
-            effective: vec![vec![Mismatch::default(); m]],
+            effective: vec![effective],
             certain: vec![1.0; m],
             errors: vec![f64::EPSILON; m],
             random: vec![vec![0.5; m]],
+        }
+    }
+
+    /// Rows, and combinations of two or three of them, each with a mismatch of 0 or 1. The last DOF is in the last combination only.
+    fn with_combinations(seed: u64, small: f64) -> (Block, Vec<f64>) {
+        let mut count = 1000 * seed;
+        let mut next = || {
+            count += 1;
+            signed(5, count)
+        };
+        let (m, n, more) = (5 + seed as usize % 4, 12, 1 + seed as usize % 3);
+        let mut rows: Vec<Vec<f64>> = (0..m).map(|_| (0..n).map(|_| next()).chain([0.0]).collect()).collect();
+        let mut sides: Vec<f64> = (0..m).map(|_| 10.0 * next()).collect();
+        let mut off = vec![0.0; m];
+        for k in 0..more {
+            let terms: Vec<(usize, f64)> = (0..2 + k % 2).map(|l| ((seed as usize + 2 * l + k) % m, next())).collect();
+            let combined = |values: &dyn Fn(usize) -> f64| terms.iter().map(|&(i, c)| c * values(i)).sum::<f64>();
+            rows.push((0..=n).map(|j| combined(&|i| rows[i][j])).collect());
+            off.push(f64::from(next() > 0.0));
+            sides.push(combined(&|i| sides[i]) + off[m + k]);
+        }
+        rows[m + more - 1][n] = small;
+        let mut matrix = Csr::empty(n + 1);
+        rows.iter().for_each(|row| matrix.append(row.iter().copied().enumerate().filter(|&(_, v)| v != 0.0)));
+        let side = |&value: &f64| Mismatch { value, size: value.abs(), error: 1e-12 * (1.0 + next().abs()) };
+        let sides = sides.iter().map(side).collect();
+        let exponents = (0..rows.len() as i32).map(|i| i % 5 - 2).collect();
+        (block(matrix, exponents, sides), off)
+    }
+
+    /// The same block with certificates at once and when they are read. Sizes and errors of late mismatches are estimates.
+    #[test]
+    fn certificates_computed_when_read_are_those_computed_at_once() {
+        let backend = Sparse { memory: usize::MAX };
+        for (seed, small) in (0..200).flat_map(|seed| [(seed, 0.0), (seed, 1e-11)]) {
+            let (block, off) = with_combinations(seed, small);
+            let means = FactorContext::new(&backend, 1e-10, true, usize::MAX);
+            let factored = || {
+                let factor = backend.factor(&block.matrix, &seeds(&block), 1e-10).expect("small");
+                (beyond_rounding(&factor, &block), Choice::new(&block, factor, means).expect("small"))
+            };
+            let (left, mut choice) = factored();
+            let at_once = rows(&block, &over_kept(&mut choice.triangle), left, choice, Vec::new());
+            let (left, choice) = factored();
+            let mut late = late(&block, left, choice, Vec::new());
+            assert_eq!(at_once.kept, late.kept, "{seed}");
+            let moves = late.triangle.motions(&block).moves;
+            let explained = crate::factor::block::unexplained::unexplained(&block, &mut late, &moves);
+            assert_eq!(explained.unexplained, 0, "{seed}, {small:e}");
+            let last = block.rows[off.len() - 1];
+            for (a, b) in at_once.dependent.iter().zip(&late.dependent) {
+                let (own, terms) = (a.because.terms(), b.because.terms());
+                assert!(own.iter().map(|term| term.0).eq(terms.iter().map(|term| term.0)), "{seed}: {own:?} {terms:?}");
+                let is_near = |(a, b): (&(u32, f64), &(u32, f64))| (a.1 - b.1).abs() <= 1e-10 * a.1.abs();
+                assert!(own.iter().zip(terms.iter()).all(is_near), "{seed}: {own:?} and {terms:?}");
+                let (own, estimate) = (a.mismatches[0], b.mismatches[0]);
+                assert!(
+                    (own.value - estimate.value).abs() <= own.error + estimate.error,
+                    "{seed}: {own:?} {estimate:?}"
+                );
+                let ratios = [estimate.size / own.size, estimate.error / own.error];
+                assert!(ratios.iter().all(|ratio| (0.2..8.0).contains(ratio)), "{seed}: {ratios:?}");
+                let is_told = small > 0.0 && (b.row == last || terms.iter().any(|term| term.0 == last));
+                assert_eq!((a.row, b.dropped > 0.0), (b.row, is_told), "{seed}");
+            }
         }
     }
 
