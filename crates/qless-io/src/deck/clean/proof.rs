@@ -179,7 +179,7 @@ struct SharedColumns<'a> {
     columns: FxHashMap<Dof, usize>,
     renamed: &'a Renamed,
     old: &'a Model,
-    /// For each column, the largest absolute coefficient in the old load case.
+    /// For each column, the largest absolute coefficient in the old load case that the first reading does not take as zero.
     largest: Vec<f64>,
 }
 
@@ -192,8 +192,12 @@ impl<'a> SharedColumns<'a> {
             columns.entry(dof).or_insert(next);
         }
         let mut both = Self { largest: vec![0.0; columns.len()], columns, renamed, old };
-        for (j, a) in old.in_force(case).flat_map(|i| both.terms(old, i)).collect::<Vec<_>>() {
-            both.largest[j] = both.largest[j].max(a.abs());
+        for i in old.in_force(case) {
+            let terms = both.terms(old, i);
+            let least = ROUNDING * terms.iter().fold(0.0, |most: f64, (_, a)| most.max(a.abs()));
+            for (j, a) in terms.into_iter().filter(|(_, a)| a.abs() > least) {
+                both.largest[j] = both.largest[j].max(a.abs());
+            }
         }
         both
     }
@@ -271,6 +275,8 @@ mod tests {
             // The second equation must not pass for a rounding error of the large coefficients.
             ("2\n1,1,1e12,2,1,-1e12\n", "2\n1,1,1e12,2,1,-1e12\n2\n2,1,1.,1,1,1.\n"),
             ("2\n1,1,1e12,2,1,-1e12\n", "2\n1,1,1e12,2,1,-1e12\n1\n2,1,1.\n"),
+            // Nor may a coefficient that counts as zero set the size of an equation.
+            ("3\n1,1,1.,2,1,-1.,3,1,1e-11\n2\n2,1,1.,1,1,-1.\n", "2\n1,1,1.,3,1,-1.\n"),
             // If the numbers are read as given, tiny coefficients count.
             ("2\n1,1,1e-30,2,1,-1.\n2\n3,1,1e-30,2,1,-1.\n", "2\n2,1,1.,1,1,-1e-30\n2\n1,1,1.,3,1,-2.\n"),
         ] {
