@@ -117,7 +117,7 @@ impl Component {
         if row.len() >= LARGE && self.is_led(near, &count) {
             return None;
         }
-        for _ in 0..SWEEPS {
+        for left in (0..SWEEPS).rev() {
             let (mut of_row, mut of_col) = (vec![Sum::ZERO; row.len()], vec![Sum::ZERO; col.len()]);
             for &(i, j, power) in &self.entries {
                 let (i, j) = (i as usize, j as usize);
@@ -125,8 +125,19 @@ impl Component {
                 of_row[i].add(squared);
                 of_col[j].add(squared);
             }
-            row.iter_mut().zip(of_row).for_each(|(row, sum)| *row -= sum.power() / 4.0);
-            col.iter_mut().zip(of_col).for_each(|(col, sum)| *col -= sum.power() / 4.0);
+            let mut most = 0.0_f64;
+            for (exponent, sum) in row.iter_mut().zip(of_row).chain(col.iter_mut().zip(of_col)) {
+                let change = sum.power() / 4.0;
+                *exponent -= change;
+                most = most.max(change.abs());
+            }
+            // If all norms are between 1 / t and t, they stay so: a squared norm is divided by its own norm and by norms of the other side.
+            // So no later sweep changes an exponent by more than this one did, nor the median.
+            let reach = 2.0 * most * left as f64;
+            let usual = median(&col);
+            if col.iter().all(|col| (col - usual).abs() + reach < f64::from(near)) {
+                return None;
+            }
         }
         let usual = median(&col);
         let units: Vec<i32> = col.iter().map(|col| (col - usual).round() as i32).collect();
