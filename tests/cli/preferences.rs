@@ -99,3 +99,22 @@ fn removed_equations_are_known() {
     let run = place.run_words(&["check", "-q", "steps.inp", "--keep", "line 13"]);
     assert_eq!(run.code, 0, "{}", run.err);
 }
+
+/// `clean` leaves out what the report calls redundant, in a deck of several steps too, in which a step has fewer equations than the deck.
+#[test]
+fn clean_keeps_the_same_equations_as_the_report() {
+    let place = place();
+    let step = |text: &str| format!("*STEP\n*STATIC\n{text}*END STEP\n");
+    place.file("steps.inp", format!("{DECK}{}{}", step(""), step("*EQUATION, REMOVE\n1,1\n")));
+    for (input, keep, dropped) in [
+        ("ties.inp", "line 9,line 11", 12),
+        ("ties.inp", "line 11,line 13", 8),
+        ("ties.inp", "line 9,line 13", 10),
+        ("steps.inp", "line 9,line 11", 12),
+    ] {
+        let run = place.run_words(&["clean", "-q", input, "-o", "out.inp", "--keep", keep]);
+        assert_eq!(run.code, 0, "{keep}: {}", run.err);
+        let text = fs::read_to_string(place.path("out.inp")).expect("written");
+        assert!(text.contains(&format!("equation of line {dropped} removed")), "{input}, {keep}: {text}");
+    }
+}

@@ -21,7 +21,8 @@ pub(super) use super::plan::{Edits, Renamed, shortened};
 pub use super::solver::{Finding, Loss, findings, loss};
 
 /// Plans the changes of a deck and carries them out. First tries to edit cards. If this cannot be carried out or proved, rewrites equations
-/// instead.
+/// instead. [`Preferences::equations`](qless::Preferences) names equations to keep, by their places in the whole deck. Other preferences
+/// have no effect: a plan prefers the slaves of the deck.
 ///
 /// # Errors
 /// As [`plan`] and [`write()`].

@@ -80,13 +80,15 @@ impl<'a> KeptEquations<'a> {
         let slaves = unprescribed(rows.iter().filter_map(own), &layer.prescribed);
         let is_fixed =
             |i: usize| self.layer_of[i].is_some() || self.model.cards.nth(self.model.nth(i).origin.card).is_fixed;
-        let equations = rows.iter().zip(0..).filter(|(i, _)| is_fixed(**i)).map(|(_, row)| row).collect();
+        let wanted: FxHashSet<usize> = self.options.preferences.equations.iter().copied().collect();
+        let stays = |i: usize| is_fixed(i) || wanted.contains(&i);
+        let equations = rows.iter().zip(0..).filter(|(i, _)| stays(**i)).map(|(_, row)| row).collect();
         let mut preferences = Preferences { slaves, equations, ..Preferences::default() };
         let mut analysis = self.analyse(&layer, &rows, preferences.clone())?;
         if self.edits_cards && !analysis.dependent().is_empty() {
             let gains = self.gains(&layer, &rows);
             let gain = |i| gains.get(&i).copied().unwrap_or(0);
-            let edit = |i| (!is_fixed(i)).then(|| self.edit_of(i));
+            let edit = |i| (!stays(i)).then(|| self.edit_of(i));
             let kept = kept_by_edits(self.model, &rows, &analysis, edit, gain);
             if let Some(kept) = kept {
                 preferences.equations.extend(kept);

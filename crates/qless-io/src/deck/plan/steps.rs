@@ -1,7 +1,7 @@
 //! Plans the changes of a deck whose load cases follow each other, as steps do.
 
 use qless::common::DisjointSets;
-use qless::{Kind, Options, analyse};
+use qless::{Kind, Options, Preferences, analyse};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::card_edits::text_of;
@@ -93,7 +93,7 @@ fn check_cases(kept: &KeptEquations, cases: &[LoadCase]) -> Result<(), CleanErro
         if conflicts(kept.model, case, kept.options)? {
             return Err(CleanError::Conflicting { case: case.name.clone() });
         }
-        let analysis = analyse(&kept.model.system(case)?, kept.options)?;
+        let analysis = analyse(&kept.model.system(case)?, &unpreferred(kept.options))?;
         let holds = |layer: &Option<usize>| layer.is_some_and(|layer| kept.layers[layer].last >= k);
         let (found, common) = (analysis.rank(), kept.layer_of.iter().filter(|layer| holds(layer)).count());
         if found != common {
@@ -112,12 +112,17 @@ pub fn conflicts(model: &Model, case: &LoadCase, options: &Options) -> Result<bo
         systems.push(model.system_of_history(case, history)?);
     }
     for system in systems {
-        let analysis = analyse(&system, options)?;
+        let analysis = analyse(&system, &unpreferred(options))?;
         if analysis.dependent().iter().any(|one| one.kind == Kind::Conflicting) {
             return Ok(true);
         }
     }
     Ok(false)
+}
+
+/// The options without preferences: these number the equations of the whole deck, of which a load case may have fewer.
+fn unpreferred(options: &Options) -> Options {
+    Options { preferences: Preferences::default(), ..options.clone() }
 }
 
 /// For each equation, the number of its connected component. Components are numbered in the order of their first equations. Equations that

@@ -23,7 +23,7 @@ const NAME: &str = "*PRE-TENSION SECTION";
 const CUT: &str = "it cuts the mesh, which equations cannot do";
 /// Cards that name the nodes of their equations. Others take the nodes of faces or elements, and so may get nodes that a cut has made.
 const BY_NODE: [&str; 4] = ["*EQUATION", "*MPC", mean_rotation::NAME, "*DISTRIBUTING COUPLING"];
-/// A direction in which the normal is not above this cannot be the slave of a beam's equation.
+/// ccx 2.20 takes a direction as the slave's only if the normal is at least this large in it.
 const SMALLEST: f64 = 1e-10;
 
 /// The nodes that a card doubles, ascending.
