@@ -26,7 +26,14 @@ fn a_redundant_deck_is_named_in_its_own_words_and_cleaned() {
         assert!(run.out.contains(part), "{part}\n{}", run.out);
     }
     assert_eq!(place.run("check -q twice.inp --deny redundant").code, 1);
-    assert_eq!(place.run("clean -q twice.inp -o clean.inp").code, 0);
+    let run = place.run("clean -q twice.inp -o clean.inp");
+    assert_eq!(run.code, 0);
+    for part in [
+        "Wrote clean.inp: without 1 redundant equation.\n  Removed or changed: line 11 *EQUATION\n",
+        "It was read again, and has the same solutions; what is said above of ccx no longer applies.\n",
+    ] {
+        assert!(run.out.contains(part), "{part}\n{}", run.out);
+    }
     let cleaned = fs::read_to_string(place.path("clean.inp")).expect("written");
     assert!(
         cleaned.contains(
@@ -38,8 +45,35 @@ fn a_redundant_deck_is_named_in_its_own_words_and_cleaned() {
     assert!(run.out.contains("nothing had to be changed"), "{}", run.out);
     assert_eq!(fs::read_to_string(place.path("again.inp")).expect("written"), cleaned);
     // The same in place.
-    assert_eq!(place.run("clean -q twice.inp -o twice.inp").code, 0);
+    let run = place.run("clean -q twice.inp -o twice.inp");
+    assert_eq!(run.code, 0);
+    assert!(run.out.contains("Replaced twice.inp: without"), "{}", run.out);
     assert_eq!(fs::read_to_string(place.path("twice.inp")).expect("written"), cleaned);
+}
+
+#[test]
+fn a_comment_names_the_boundary_conditions_from_which_an_equation_follows() {
+    let place = Place::new();
+    let ties = "*EQUATION\n2\n2,1,1.,1,1,-1.\n*EQUATION\n2\n3,1,1.,2,1,-1.\n*EQUATION\n2\n3,1,1.,1,1,-1.\n";
+    place.file("held.inp", deck(ties, "").replace("1,1,3\n", "1,1,3\n3,1,1\n"));
+    let run = place.run("check -q held.inp");
+    assert!(run.out.contains("writes a deck that the solver takes, without redundant equations."), "{}", run.out);
+    let run = place.run("clean -q held.inp -o clean.inp");
+    for part in [
+        "Removed or changed: line 13 *EQUATION, line 16 *EQUATION\n",
+        "; what is said above of ccx no longer applies.\n",
+    ] {
+        assert!(run.out.contains(part), "{part}\n{}", run.out);
+    }
+    let cleaned = fs::read_to_string(place.path("clean.inp")).expect("written");
+    for comment in [
+        "** qless: equation of line 13 removed, redundant: line 13 *EQUATION 3:1 = -1 * (line 10 *EQUATION 2:1), \
+         with prescribed DOFs (1:1 in line 7 *BOUNDARY, 3:1 in line 8 *BOUNDARY)\n",
+        "** qless: equation of line 16 removed: all of its DOFs are prescribed \
+         (1:1 in line 7 *BOUNDARY, 3:1 in line 8 *BOUNDARY)\n",
+    ] {
+        assert!(cleaned.contains(comment), "{comment}\n{cleaned}");
+    }
 }
 
 #[test]

@@ -23,6 +23,8 @@ fn a_conflict_shows_its_boundary_cards_and_the_cure() {
         "(line 18)",
         "but 0 is asked (line ",
         "Next: change 4:1 in line 18 *BOUNDARY from 0.25 to 0:\n    cures row ",
+        "\nThen run `qless clean chain.inp -o DECK`: without conflicts, ccx refuses the deck as before.\n",
+        "Left sides of what was dropped agree to rounding.",
     ] {
         assert!(run.out.contains(part), "`{part}` is not in:\n{}", run.out);
     }
@@ -60,7 +62,7 @@ fn explain_answers_for_equations_and_dofs() {
     assert!(text("column 1").contains("DOF 1 is prescribed: 0.5"));
     let fixed = text("column 3");
     assert!(fixed.contains("DOF 3 is fixed to 0.5") && fixed.contains("[DOF 1 = 0.5]"), "{fixed}");
-    assert!(fixed.contains("It is free without any one of: the value of DOF 1."), "{fixed}");
+    assert!(fixed.contains("Leaving out any one of these frees it: the value of DOF 1."), "{fixed}");
     let slaves = [text("column 4"), text("column 5")];
     let said = |what: &str| slaves.iter().filter(|out| out.contains(what)).count();
     assert_eq!((said("is a slave"), said("is a master")), (1, 1), "{slaves:?}");
@@ -79,9 +81,23 @@ fn explain_finds_lines_and_nodes_of_decks() {
         ("4:1", "4:1 is prescribed"),
         ("line 8", "\"line 7 *EQUATION 2:1\""),
         ("2:1", "2:1 is fixed to 0"),
+        ("line8", "\"line 7 *EQUATION 2:1\""),
+        ("2:ux", "2:1 is fixed to 0"),
+        ("*equation", "\"line 11 *EQUATION 4:1\""),
     ] {
         let run = place.run_words(&["explain", "-q", "chain.inp", what]);
         assert!(run.code == 0 && run.out.contains(part), "{what}: {} {}", run.out, run.err);
+    }
+    for (what, part) in [
+        (
+            "line 16",
+            "`line 16` of the deck gives no equation and no DOF of one; the nearest line with a constraint is 14",
+        ),
+        ("2:3", "2:3: no equation has this DOF"),
+        ("2:7", "2:7: no equation has this DOF"),
+    ] {
+        let run = place.run_words(&["explain", "-q", "chain.inp", what]);
+        assert!(run.code == 2 && run.err.contains(part), "{what}: {} {}", run.out, run.err);
     }
 }
 

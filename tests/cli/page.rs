@@ -157,7 +157,10 @@ fn conflicts_come_first_with_their_cure() {
     let Some(shown) = shown(&place, "page.html") else { return };
     assert_eq!(texts(&shown, "data-column=\"Kind\">"), ["conflicting", "redundant"]);
     assert!(texts(&shown, "<h2>").contains(&"Next: each of these 2 ways cures row 4"), "{shown}");
-    assert!(shown.contains("<li>change the right-hand side of row 4 from 0.5 to 0, or leave it out"), "{shown}");
+    assert!(
+        shown.contains("<li>change the right-hand side of row 4 from 0.5 to 0, or leave the equation out"),
+        "{shown}"
+    );
 }
 
 #[test]

@@ -76,7 +76,7 @@ fn words_that_name_nothing_are_named_with_the_nearest() {
         ("ties.inp", "--avoid-slaves", "TOPP", &["--avoid-slaves: `TOPP`", "did you mean `TOP`?"][..]),
         ("ties.inp", "--avoid-slaves", "1:9", &["`1:9`", "did you mean `1:1`?"]),
         ("ties.inp", "--prefer-slaves", "line 14", &["`line 14`", "the nearest line with a constraint is 12"]),
-        ("ties.inp", "--prefer-slaves", "3,xyzzy-q", &["`xyzzy-q` is no label, node set or node:component"]),
+        ("ties.inp", "--prefer-slaves", "3,xyzzy-q", &["`xyzzy-q` is no label, node set, card or node:component"]),
         ("case", "--prefer-slaves", "midle", &["`midle` is no label", "did you mean `middle`?"]),
         ("case", "--prefer-slaves", "line 1", &["`line 1` is no label"]),
         ("ties.inp", "--keep", "7", &["equation 7, but there are only 3"]),

@@ -17,7 +17,7 @@ fn place() -> Place {
 }
 
 const SUMMARY: &str =
-    "3 inputs, 1 with nothing to mend\n  bad.inp: 1 conflicting equation, 1 refused claim\n  none.inp: not checked\n";
+    "3 inputs: nothing to mend in 1\n  bad.inp: 1 conflicting equation, 1 refused claim\n  none.inp: not checked\n";
 
 #[test]
 fn the_worst_input_decides_and_every_input_has_its_report() {

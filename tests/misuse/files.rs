@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use qless::{Csr, Options};
-use qless_io::deck::clean::{self, Cases, Plan, Reason, Removed, Written};
+use qless_io::deck::clean::{self, Cases, Combination, Plan, Reason, Removed, Written};
 use qless_io::deck::{self, CardName, Deck, Dof, Format, Load, LoadCase, Origin, Prescribed};
 use qless_io::write::{Inputs, OneFile, Output, write_indices, write_matrix, write_numbers};
 use qless_io::{case_files, matrix_market, read_case, vectors, write_case};
@@ -147,7 +147,8 @@ fn what_no_deck_holds() {
                 Plan { removed: equations.iter().map(removed).collect(), written: written.clone(), ..Plan::default() };
             refused("a plan", || clean::write(&deck, &plan));
         }
-        let because = Removed { equation: 0, reason: Reason::Redundant(vec![(usize::MAX, 1.0)]) };
+        let foreign = Combination { equations: vec![(usize::MAX, 1.0)], ..Combination::default() };
+        let because = Removed { equation: 0, reason: Reason::Redundant(foreign) };
         refused("a certificate", || clean::write(&deck, &Plan { removed: vec![because], ..Plan::default() }));
         let one = Removed { equation: 0, reason: Reason::Connected };
         survives("what no deck says", || clean::write(&deck, &Plan { removed: vec![one], written, ..Plan::default() }))

@@ -167,7 +167,8 @@ pub struct ExplainArgs {
     /// Format of the answer
     #[arg(long, value_enum, default_value = "text")]
     pub format: AnswerFormat,
-    /// What to explain: `row 17`, `column 3`, a label; in a deck also `5:3` (node:component) or `line 41`
+    /// What to explain: `row 17`, `column 3`, a label; in a deck also `5:3` (node:component), `line 41`, or a card such as
+    /// `RBE2 13`
     #[arg(value_name = "WHAT")]
     pub what: String,
     /// Load case of a deck: its name (`step 2`) or the number in the name [default: the worst one]

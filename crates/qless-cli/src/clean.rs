@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use qless_io::deck::Format;
-use qless_io::deck::clean::{self, CleanError, Plan, Reason};
+use qless_io::deck::clean::{self, CleanError};
 use qless_io::without_gz;
 use qless_io::write::{Inputs, OneFile};
 
@@ -45,9 +45,10 @@ pub fn run(args: &CleanArgs) -> Result<ExitCode, CliFailure> {
     progress.stage("writing");
     // The output may replace the deck itself, but no file that it includes.
     let included = Inputs::new(deck.deck.model().files().iter().skip(1));
+    let is_replaced = output.exists();
     OneFile::at(output, included)?.write(&text)?;
     let restored = if plan.is_empty() { 0 } else { deck.lost() };
-    let outcome = CommandOutcome::Cleaned { output, removed: redundant(&plan), written: plan.written.len(), restored };
+    let outcome = CommandOutcome::Cleaned { output, is_replaced, plan: &plan, restored };
     diagnosis.print(None, &outcome, progress)?;
     Ok(ExitCode::from(diagnosis.code()))
 }
@@ -60,11 +61,6 @@ pub fn obstacle(diagnosis: &Diagnosis) -> Option<String> {
         return None;
     }
     clean::check_plan(&deck.deck, &diagnosis.options).err().map(|error| error.to_string())
-}
-
-/// Number of equations that are removed as redundant.
-fn redundant(plan: &Plan) -> usize {
-    plan.removed.iter().filter(|removed| matches!(removed.reason, Reason::Redundant(_))).count()
 }
 
 /// Checks that the output has the ending of the input, or another ending of its format. The output is never packed.

@@ -9,7 +9,7 @@ use qless_io::deck::{self, LoadCase};
 use qless_io::write::Inputs;
 use qless_io::{FileContent, Opened, read_case};
 
-use crate::args::{Deny, ModelArgs, ReportArgs};
+use crate::args::{ModelArgs, ReportArgs};
 use crate::deck_input::{DeckInput, LoadCaseChoice};
 use crate::failure::{CliFailure, say};
 use crate::preferences::PreferenceLists;
@@ -177,8 +177,7 @@ impl Diagnosis<'_> {
     /// Returns the exit code, and writes to standard error what `--deny` has found.
     pub fn code(&self) -> u8 {
         let denied = self.denied();
-        // Redundant equations alone need no message, since the first line of every report already says that there are some.
-        if !denied.is_empty() && self.report_args.deny.iter().any(|what| *what != Deny::Redundant) {
+        if !denied.is_empty() {
             say(format_args!("error: found what --deny names: {}", denied.join(", ")));
         }
         exit_code::for_diagnosis(self.is_refused(), self.is_incomplete())

@@ -160,10 +160,10 @@ impl<'a> Teller<'a> {
         match &answer.freed_by[..] {
             [] if is_conflict => {}
             [] => answer.text.push(
-                "No single equation or prescribed value makes it independent if left out: others imply each."
+                "Leaving out a single equation or prescribed value does not make it independent: others imply each."
                     .to_owned(),
             ),
-            names => answer.text.push(format!("It is independent without any one of: {}.", list(names))),
+            names => answer.text.push(format!("Leaving out any one of these makes it independent: {}.", list(names))),
         }
         Ok(answer)
     }
@@ -193,8 +193,10 @@ impl<'a> Teller<'a> {
             self.add_members(&mut answer, &explanation);
             answer.freed_by = self.freed_by(Freed::Dof(dof))?;
             answer.text.push(match &answer.freed_by[..] {
-                [] => "No single equation or prescribed value frees it if left out: others imply each.".to_owned(),
-                names => format!("It is free without any one of: {}.", list(names)),
+                [] => {
+                    "Leaving out a single equation or prescribed value does not free it: others imply each.".to_owned()
+                }
+                names => format!("Leaving out any one of these frees it: {}.", list(names)),
             });
             return Ok(answer);
         }
@@ -213,10 +215,12 @@ impl<'a> Teller<'a> {
         let analysis = qless::analyse(self.system, &self.diagnosis.options).map_err(|error| failed(&error))?;
         let elimination = Elimination::from_analysis(analysis, Form::Explicit).map_err(|error| failed(&error))?;
         let Some((terms, constant)) = elimination.row(dof).filter(|_| elimination.is_slave(dof)) else {
-            let line = format!("{name} is a master: free, and no equation is needed to compute it.");
+            let line =
+                format!("{name} is a master of the reduced form: free, and no equation is needed to compute it.");
             return Ok(Answer::new("master", line));
         };
-        let mut answer = Answer::new("slave", format!("{name} is a slave: {name} = {}.", self.sum(&terms, constant)));
+        let sum = self.sum(&terms, constant);
+        let mut answer = Answer::new("slave", format!("{name} is a slave of the reduced form: {name} = {sum}."));
         let relation: Vec<(usize, f64)> =
             std::iter::once((dof, 1.0)).chain(terms.iter().map(|&(j, factor)| (j, -factor))).collect();
         if let Some(explanation) = self.analysis.explain_sum(&relation).map_err(|error| failed(&error))? {

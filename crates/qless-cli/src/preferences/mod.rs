@@ -5,7 +5,8 @@
 //! | `7`, `10-20` | rows from 1 | columns from 1 |
 //! | a label | with this label | with this label |
 //! | `line 41`, `part.inc:41` | on this line | of the equations, prescribed values and loads on this line |
-//! | `5:3` | that begin with this DOF | component 3 of node 5 |
+//! | `5:3`, `5:UZ` | that begin with this DOF | component 3 of node 5 |
+//! | `RBE2 13`, `*TIE` | of the cards with this name | of these equations |
 //! | a node set | that begin with a DOF of its nodes | of its nodes, if they occur in equations |
 
 mod resolve;
@@ -15,7 +16,7 @@ use qless::{ConstraintSystem, Options, Preferences};
 use qless_io::deck::{Deck, LoadCase};
 
 use crate::failure::CliFailure;
-use resolve::{NameIndex, Wanted};
+use resolve::{NameIndex, Wanted, WordError};
 pub use word::ListWord;
 pub use word::{WordList, words};
 
@@ -61,20 +62,20 @@ pub fn find(text: &str, system: &ConstraintSystem, deck: Option<(&Deck, &LoadCas
     // `5:3` means a DOF. `line 41` means the equations on this line; if there are none, the prescribed values and loads on it.
     let is_dof = text.split_once(':').is_some_and(|(node, _)| node.trim().parse::<u32>().is_ok());
     let equations = if is_dof { Ok(Vec::new()) } else { names.all("WHAT", &words, Wanted::Equations) };
-    match equations {
-        Ok(rows) if !rows.is_empty() => Ok(rows.into_iter().map(Place::Equation).collect()),
-        equations => {
-            let mut dofs = names.all("WHAT", &words, Wanted::Dofs).unwrap_or_default();
+    if let Some(rows) = equations.as_ref().ok().filter(|rows| !rows.is_empty()) {
+        return Ok(rows.iter().copied().map(Place::Equation).collect());
+    }
+    match (equations, names.all("WHAT", &words, Wanted::Dofs)) {
+        (_, Ok(mut dofs)) if !dofs.is_empty() => {
             dofs.sort_unstable();
             dofs.dedup();
-            match (dofs.is_empty(), equations) {
-                (false, _) => Ok(dofs.into_iter().map(Place::Dof).collect()),
-                (true, Err(error)) => Err(CliFailure::Input(error.to_string())),
-                (true, Ok(_)) => {
-                    Err(CliFailure::Input(format!("{text}: no equation has this DOF, or nothing is there")))
-                }
-            }
+            Ok(dofs.into_iter().map(Place::Dof).collect())
         }
+        (Err(error @ WordError::Unknown { .. }), _) | (_, Err(error @ WordError::Line { .. })) => {
+            Err(CliFailure::Input(error.to_string()))
+        }
+        _ if is_dof => Err(CliFailure::Input(format!("{text}: no equation has this DOF"))),
+        _ => Err(CliFailure::Input(format!("{text}: none of its equations holds in this load case"))),
     }
 }
 

@@ -35,7 +35,7 @@ pub enum WordError {
     #[error("{option}: `{word}` is {}{}", unknown(*.is_deck), did_you_mean(nearest.as_deref()))]
     Unknown { option: &'static str, word: String, is_deck: bool, nearest: Option<String> },
     #[error(
-        "{option}: nothing that this list can select is on `{word}`{}",
+        "{option}: `{word}` of the deck gives no equation and no DOF of one{}",
         nearest.map_or(String::new(), |line| format!("; the nearest line with a constraint is {line}"))
     )]
     Line { option: &'static str, word: String, nearest: Option<u32> },
@@ -43,7 +43,7 @@ pub enum WordError {
 
 fn unknown(is_deck: bool) -> &'static str {
     if is_deck {
-        "no label, node set or node:component of the equations, and no line such as `line 41`"
+        "no label, node set, card or node:component of the equations, and no line such as `line 41`"
     } else {
         "no label"
     }
@@ -91,6 +91,7 @@ impl<'a> NameIndex<'a> {
             // A DOF that occurs in an equation is known, even if no equation begins with it.
             Some(dof) if deck.model().column(dof).is_none() => Err(unknown()),
             Some(dof) => Ok(matching(deck.model(), case, &|other| other == dof, wanted)),
+            None if is_card(deck.model(), word) => Ok(of_cards(deck.model(), case, word, wanted)),
             None => {
                 let nodes: HashSet<u32> = deck.node_set(word).ok_or_else(unknown)?.into_iter().collect();
                 Ok(matching(deck.model(), case, &|dof| nodes.contains(&dof.node), wanted))
@@ -141,7 +142,7 @@ fn at_line(model: &Model, case: &LoadCase, line: &ListedDeckLine, wanted: Wanted
     // A line with equations is known, even if none of them is in force in this load case; then the list is empty.
     let is_known =
         !found.is_empty() || (0..model.equations()).filter_map(|i| model.equation(i)).any(|e| is_on_line(e.origin));
-    if is_known { Ok(found) } else { Err(nearest_line(model, line)) }
+    if is_known { Ok(found) } else { Err(nearest_line(model, case, line, wanted)) }
 }
 
 /// Equations that begin with a matching DOF, or the columns of matching DOFs.
@@ -155,15 +156,36 @@ fn matching(model: &Model, case: &LoadCase, matches: &dyn Fn(Dof) -> bool, wante
     }
 }
 
+/// Whether a card that gives an equation has this name, such as `RBE2 13` or `*TIE`.
+fn is_card(model: &Model, name: &str) -> bool {
+    (0..model.equations()).filter_map(|i| model.equation(i)).any(|equation| is_named(model, equation.origin, name))
+}
+
+fn is_named(model: &Model, origin: Origin, name: &str) -> bool {
+    model.cards().get(origin.card).is_some_and(|card| card.name.to_string().eq_ignore_ascii_case(name))
+}
+
+/// The equations of the cards with this name, or their DOFs.
+fn of_cards(model: &Model, case: &LoadCase, name: &str, wanted: Wanted) -> Vec<usize> {
+    let equations = rows(model, case).filter(|(_, origin, _)| is_named(model, *origin, name));
+    match wanted {
+        Wanted::Equations => equations.map(|(row, ..)| row).collect(),
+        Wanted::Dofs => equations.flat_map(|(_, _, columns)| columns.iter().map(|&j| j as usize)).collect(),
+    }
+}
+
 /// Rows of the equations in force in a load case, with their origins and columns.
 fn rows<'a>(model: &'a Model, case: &LoadCase) -> impl Iterator<Item = (usize, Origin, &'a [u32])> {
     let equations = model.in_force(case).filter_map(|i| model.equation(i));
     (0..).zip(equations).map(|(row, equation)| (row, equation.origin, equation.columns))
 }
 
-fn nearest_line(model: &Model, line: &ListedDeckLine) -> Option<u32> {
-    let equations = (0..model.equations()).filter_map(|i| model.equation(i));
-    let lines = equations.map(|equation| equation.origin).filter(|&origin| line.file_of(model, origin)).map(|o| o.line);
+/// The nearest line with an equation; if DOFs are wanted, also with a prescribed value or a load.
+fn nearest_line(model: &Model, case: &LoadCase, line: &ListedDeckLine, wanted: Wanted) -> Option<u32> {
+    let equations = (0..model.equations()).filter_map(|i| model.equation(i)).map(|equation| equation.origin);
+    let given = case.prescribed.iter().map(|given| given.origin).chain(case.loads.iter().map(|load| load.origin));
+    let origins = equations.chain(given.filter(|_| wanted == Wanted::Dofs));
+    let lines = origins.filter(|&origin| line.file_of(model, origin)).map(|origin| origin.line);
     lines.min_by_key(|found| found.abs_diff(line.line))
 }
 
@@ -180,10 +202,15 @@ fn nearest(word: &str, known: impl Iterator<Item = String>) -> Option<String> {
     (best.0 >= ALIKE).then_some(best.1)
 }
 
-/// Parses `node:component`.
+/// The names that ANSYS gives to components 1 to 6.
+const COMPONENTS: [&str; 6] = ["UX", "UY", "UZ", "ROTX", "ROTY", "ROTZ"];
+
+/// Parses `node:component`, with a number or a name as component: `5:3`, `5:UZ`.
 fn dof(word: &str) -> Option<Dof> {
     let (node, component) = word.split_once(':')?;
-    Some(Dof { node: node.trim().parse().ok()?, component: component.trim().parse().ok()? })
+    let component = component.trim();
+    let named = || (1..).zip(COMPONENTS).find(|(_, name)| name.eq_ignore_ascii_case(component)).map(|(k, _)| k);
+    Some(Dof { node: node.trim().parse().ok()?, component: component.parse().ok().or_else(named)? })
 }
 
 /// A line of the deck as named in a list: `line 41`, or `part.inc:41` of an included file.
@@ -195,8 +222,9 @@ struct ListedDeckLine {
 
 impl ListedDeckLine {
     fn parse(word: &str) -> Option<Self> {
-        if let Some(number) = word.get(..5).filter(|start| start.eq_ignore_ascii_case("line ")) {
-            return Some(Self { file: None, line: word[number.len()..].trim().parse().ok()? });
+        let number = word.get(..4).filter(|start| start.eq_ignore_ascii_case("line")).map(|start| &word[start.len()..]);
+        if let Some(line) = number.and_then(|number| number.trim().parse().ok()) {
+            return Some(Self { file: None, line });
         }
         let (file, line) = word.rsplit_once(':')?;
         // `5:3` is a DOF, not line 3 of a file `5`.

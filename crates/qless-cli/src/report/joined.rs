@@ -58,7 +58,7 @@ impl Joined {
         document
     }
 
-    /// A summary of several inputs: `3 inputs, 1 with nothing to mend`, and a line for each other input,
+    /// A summary of several inputs: `3 inputs: nothing to mend in 1`, and a line for each other input,
     /// `  a.inp: 2 redundant equations, 5 refused claims`.
     pub fn summary(inputs: &[(&Path, Vec<String>)]) -> String {
         let (good, others): (Vec<_>, Vec<_>) = inputs.iter().partition(|(_, findings)| findings.is_empty());
@@ -66,6 +66,6 @@ impl Joined {
             format!("\n  {}: {}", printable::line(&input.to_string_lossy()), findings.join(", "))
         };
         let lines: String = others.into_iter().map(line).collect();
-        format!("{}, {} with nothing to mend{lines}", count(inputs.len(), "input"), good.len())
+        format!("{}: nothing to mend in {}{lines}", count(inputs.len(), "input"), good.len())
     }
 }

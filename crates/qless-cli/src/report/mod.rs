@@ -14,6 +14,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use qless::{ArgumentError, Form, Reduction, Report};
+use qless_io::deck::clean::Plan;
 
 pub use joined::Joined;
 pub use repairs::RepairWords;
@@ -37,10 +38,10 @@ pub enum CommandOutcome<'a> {
     Cleaned {
         /// Path of the cleaned deck.
         output: &'a Path,
-        /// Number of equations removed because they are redundant.
-        removed: usize,
-        /// Number of new equations.
-        written: usize,
+        /// Whether a file stood there before.
+        is_replaced: bool,
+        /// What was changed.
+        plan: &'a Plan,
         /// Number of claims that the solver dropped and that now hold.
         restored: usize,
     },

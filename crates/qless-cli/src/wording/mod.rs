@@ -74,7 +74,11 @@ pub fn change(change: &ChangeFinding, name: fn(&str) -> String) -> String {
         ChangeFinding::Equation { row, label, from, to } => {
             let row = format!("row {row}");
             let equation = if *label == row { row } else { format!("{row} \"{}\"", name(label)) };
-            format!("change the right-hand side of {equation} from {} to {}, or leave it out", exact(*from), exact(*to))
+            format!(
+                "change the right-hand side of {equation} from {} to {}, or leave the equation out",
+                exact(*from),
+                exact(*to)
+            )
         }
         _ => String::new(),
     }

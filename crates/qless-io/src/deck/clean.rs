@@ -1,9 +1,11 @@
-//! Cleans a deck: makes its equations independent. No DOF is then the slave of two equations, and no slave is prescribed.
+//! Cleans a deck: makes its equations independent. No DOF is then the slave of two equations, and no slave is prescribed, unless the solver
+//! accepts that.
 //!
 //! Each connected component ("part") of equations is treated alone. Equations that share free DOFs or lines of text are connected. A part
 //! without faults and dependent equations keeps its text, byte for byte. If leaving out cards or nodes removes the dependent equations and
 //! the faults, nothing else changes. Otherwise the whole part is rewritten as `u_s - T u_q - G u_p = g` (equations 23 to 26 of the paper),
-//! in which no slave occurs twice. A cleaned deck has no faults, so that cleaning it again changes nothing.
+//! in which no slave occurs twice. A cleaned deck has no faults but those that the solver accepts, so that cleaning it again changes
+//! nothing.
 //!
 //! The new text is read again to prove that it constrains as the original: see `proof`.
 
@@ -16,7 +18,7 @@ use super::{Deck, Format, ansys, calculix, nastran};
 use proof::prove;
 
 pub use super::faults::{EquationFault, FaultKind, faults, faults_in};
-pub use super::plan::{Cases, CleanError, Ended, Plan, Reason, Removed, Written, check_plan, plan};
+pub use super::plan::{Cases, CleanError, Combination, Ended, Plan, Reason, Removed, Written, check_plan, plan};
 pub(super) use super::plan::{Edits, Renamed, shortened};
 pub use super::solver::{Finding, Loss, findings, loss};
 

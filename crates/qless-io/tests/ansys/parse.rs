@@ -3,7 +3,8 @@
 use std::io::ErrorKind;
 use std::path::Path;
 
-use qless_io::deck::{Deck, DeckError, Format, parse};
+use qless_io::deck::clean::faults;
+use qless_io::deck::{Deck, DeckError, Format, Outcome, parse};
 
 pub fn try_deck(text: &str) -> Result<Deck, DeckError> {
     let none = &mut |_: &Path| Err(ErrorKind::NotFound.into());
@@ -25,6 +26,13 @@ pub fn equations(deck: &Deck) -> Vec<String> {
         format!("{} = {}", terms.join(", "), equation.rhs)
     };
     (0..model.equations()).map(text).collect()
+}
+
+/// The faults that ANSYS does not accept.
+pub fn refused(deck: &Deck) -> Vec<String> {
+    let (model, solver) = (deck.model(), deck.solver());
+    let all = faults(model).into_iter().filter(|fault| solver.outcome(fault, model) != Outcome::Accepted);
+    all.map(|fault| fault.describe(model)).collect()
 }
 
 /// Equations in force in a load case, as `node:component coefficient ... = rhs`.

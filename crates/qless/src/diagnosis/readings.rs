@@ -130,11 +130,14 @@ fn read_twice(system: &ConstraintSystem, options: &Options, suspects: &Suspects)
         };
         let counts = |kinds: &[Kind]| [Kind::Independent, Kind::Conflicting].map(|kind| count(kinds, kind));
         let (found, own) = (counts(other.kinds()), counts(analysis.kinds()));
-        if found != own && analysis.other.is_none() {
+        // Remainders of dropped equations that vanish with the suspect coefficients consist of them.
+        let is_cause = analysis.confidence.doubt == Some(Doubt::NoGap) && !other.confidence().ambiguous;
+        if (found != own || is_cause) && analysis.other.is_none() {
             let conflicting = analysis.kinds().iter().filter(|&&kind| kind == Kind::Conflicting).count();
             let (rank, conflicting) = (analysis.rank() + found[0] - own[0], conflicting + found[1] - own[1]);
             analysis.other = Some(OtherReading { as_zero, terms, rank, conflicting });
             let Confidence { distance, error, .. } = analysis.confidence;
+            let error = if is_cause { 0.0 } else { error };
             analysis.confidence = Confidence::of(distance, error, options.tolerance, Some(Doubt::Noise));
         }
         Ok::<(), AnalysisError>(())

@@ -24,7 +24,7 @@ use super::{Explanation, Member};
 use crate::common::SplitMix64;
 use crate::factor::backend::BackendError;
 use crate::input::scale::ldexp;
-use crate::{Analysis, Dependent, Kind};
+use crate::{Analysis, CertificateTerm, Dependent, Kind};
 
 /// Largest number of conflicts that are examined one by one. Beyond it only random sums of all conflicts are examined. They reveal single
 /// changes that cure all conflicts, but no sets of changes.
@@ -209,7 +209,7 @@ impl Analysis {
             Freed::Dof(dof) => match self.generated.binary_search_by_key(&dof, |&(j, _)| j) {
                 Ok(place) => {
                     let vector = [(self.fixed[place], 1.0)];
-                    let terms = self.pruned(&self.expressed(vector)?, NOISE);
+                    let terms = self.significant(&vector, self.expressed(vector)?);
                     (Some(self.with_values(&vector, terms, Some(0.0))), None)
                 }
                 Err(_) => (None, None),
@@ -235,9 +235,17 @@ impl Analysis {
         }
         let vector: Vec<(u32, f64)> = sum.into_iter().collect();
         let free = vector.iter().copied().filter(|&(j, _)| system.free()[j as usize]);
-        let terms = self.expressed(free)?;
-        let terms = self.pruned(&terms, NOISE);
+        let terms = self.significant(&vector, self.expressed(free)?);
         Ok((self.with_values(&vector, terms, Some(0.0)), b))
+    }
+
+    /// The terms of a certificate of `vector` without those that count as zero. If units differ, a small coefficient may be needed: without
+    /// it, more than the tolerance remains at some DOF. Then only smaller ones are left out.
+    fn significant(&self, vector: &[(u32, f64)], terms: Vec<CertificateTerm>) -> Vec<CertificateTerm> {
+        let error = |terms: &[CertificateTerm]| self.error_in(&self.sums(vector.iter().copied(), terms));
+        let limit = error(&terms).max(self.options.tolerance.value());
+        let mut pruned = [1.0, 1e-2, 1e-4].iter().map(|part| self.pruned(&terms, NOISE * part));
+        pruned.find(|pruned| error(pruned) <= limit).unwrap_or(terms)
     }
 
     /// The repair of some conflicts: among the ways that hold, those with the fewest changes.

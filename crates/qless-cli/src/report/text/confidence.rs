@@ -10,6 +10,7 @@ use qless::{CertificateTerm, Doubt, Effort, Kind, Report, Tolerance};
 
 use super::EquationList;
 use super::combination;
+use super::dependent::tolerance;
 use crate::diagnose::Diagnosis;
 use crate::wording::{self, EquationLookup, count, rough};
 
@@ -56,9 +57,15 @@ fn ordinal(digits: f64) -> String {
     format!("{digit}{ending}")
 }
 
-/// The line about dropped equations for a rank without doubt: each differs from its combination by rounding at most.
+/// The line about dropped equations for a rank without doubt: the left side of each differs from its combination by rounding at most, and
+/// the right-hand side too unless it conflicts.
 fn dropped(report: &Report) -> Option<String> {
-    (!report.dependent.is_empty()).then(|| "What was dropped agrees to rounding.".to_owned())
+    let what = match (report.counts.redundant, report.counts.conflicting) {
+        (0, 0) => return None,
+        (_, 0) => "What was dropped agrees",
+        _ => "Left sides of what was dropped agree",
+    };
+    Some(format!("{what} to rounding."))
 }
 
 /// At most two reasons for doubt, each with advice. If equations have no proof, a line with their number replaces the reasons. If exact
@@ -100,8 +107,11 @@ fn nearly_dependent(report: &Report) -> Option<String> {
 fn remainder(list: &EquationList) -> Option<String> {
     let equation = list.dependent.iter().max_by(|a, b| a.dropped.total_cmp(&b.dropped))?;
     let (name, dropped) = (wording::equation(list.equations, equation.row), equation.dropped);
-    // A tolerance below the rounding errors would make dependent equations independent, so it is not advised.
-    let advice = if dropped > ROUNDING {
+    // A tolerance below the rounding errors would make dependent equations independent, so it is not advised. A remainder above the
+    // tolerance is rounding of larger terms, which no tolerance decides.
+    let advice = if dropped / 10.0 > tolerance(list.tolerance) {
+        "--effort exact says what the numbers say.".to_owned()
+    } else if dropped > ROUNDING {
         format!("If that is meant: --tolerance {}", rough(dropped / 10.0))
     } else {
         "Check that no digits were lost.".to_owned()

@@ -111,7 +111,7 @@ fn entry(list: &EquationList, dependent: &DependentRow, most: usize) -> Vec<Stri
 }
 
 /// A certificate whose error is above this value is reported; smaller errors are within the tolerance of the rank.
-fn tolerance(tolerance: Tolerance) -> f64 {
+pub fn tolerance(tolerance: Tolerance) -> f64 {
     if let Tolerance::Relative(value) = tolerance { value } else { 1e-5 }
 }
 
@@ -181,7 +181,9 @@ pub fn generated_conditions(report: &Report) -> Vec<String> {
     let flowed = flow(" ", "", &pieces, (1, COLUMNS), tail.len());
     let tail = if flowed.used < all.len() { tail } else { String::new() };
     let what = if all.len() == 1 { "a free DOF" } else { "free DOFs" };
-    let mut lines = vec![format!("Generated boundary conditions: the equations leave {what} one value only.")];
+    let who =
+        if report.counts.conflicting > 0 { "the equations that do not conflict leave" } else { "the equations leave" };
+    let mut lines = vec![format!("Generated boundary conditions: {who} {what} one value only.")];
     lines.extend(flowed.finish(&tail));
     lines
 }

@@ -4,12 +4,15 @@ use std::path::Path;
 
 use qless::report::RepairFinding;
 use qless::{Effort, Report, Status};
+use qless_io::deck::Format;
+use qless_io::deck::clean::{Plan, Reason, Removed};
 
 use super::super::CommandOutcome;
 use super::super::repairs::others;
-use super::EquationList;
+use super::summary::of_solver;
+use super::{COLUMNS, EquationList};
 use crate::deck_input::DeckInput;
-use crate::wording::layout::width;
+use crate::wording::layout::{flow, width};
 use crate::wording::printable;
 use crate::wording::{change, count};
 use crate::wording::{label, number, rough};
@@ -18,13 +21,17 @@ use crate::wording::{label, number, rough};
 pub fn lines(list: &EquationList, report: &Report, outcome: &CommandOutcome) -> Vec<String> {
     match outcome {
         CommandOutcome::Written(folder) => written(report, folder),
-        CommandOutcome::Cleaned { output, removed, written, restored } => {
+        CommandOutcome::Cleaned { output, is_replaced, plan, restored } => {
             let changes = (*restored > 0).then(|| changed(list, *restored));
             let doubt = report.confidence.ambiguous.then(|| {
                 "The rank is ambiguous, as said above: decide which equations are meant before you use this deck."
                     .to_owned()
             });
-            std::iter::once(cleaned(output, *removed, *written)).chain(changes).chain(doubt).collect()
+            let verb = if *is_replaced { "Replaced" } else { "Wrote" };
+            let mut lines = vec![format!("{verb} {}", cleaned(output, plan))];
+            lines.extend(changed_cards(list, plan));
+            lines.extend(proved(list, plan).filter(|_| doubt.is_none()));
+            lines.into_iter().chain(changes).chain(doubt).collect()
         }
         CommandOutcome::Checked(obstacle) => next(list, report, *obstacle),
         CommandOutcome::Refused => {
@@ -53,14 +60,53 @@ fn written(report: &Report, folder: &Path) -> Vec<String> {
 }
 
 /// The cleaned deck, and how many equations were removed or rewritten.
-fn cleaned(output: &Path, removed: usize, written: usize) -> String {
+fn cleaned(output: &Path, plan: &Plan) -> String {
     let output = printable::line(&output.display().to_string());
-    match (removed, written) {
-        (0, 0) => format!("Wrote {output}: nothing had to be changed."),
-        (_, 0) => format!("Wrote {output}: without {}.", count(removed, "redundant equation")),
-        (0, _) => format!("Wrote {output}: {} written anew.", count(written, "equation")),
-        _ => format!("Wrote {output}: without {}, {written} written anew.", count(removed, "redundant equation")),
+    let is_redundant = |removed: &&Removed| matches!(removed.reason, Reason::Redundant(_));
+    match (plan.removed.iter().filter(is_redundant).count(), plan.written.len()) {
+        (0, 0) => format!("{output}: nothing had to be changed."),
+        (removed, 0) => format!("{output}: without {}.", count(removed, "redundant equation")),
+        (0, written) => format!("{output}: {} written anew.", count(written, "equation")),
+        (removed, written) => {
+            format!("{output}: without {}, {written} written anew.", count(removed, "redundant equation"))
+        }
     }
+}
+
+/// Largest number of lines that name changed cards.
+const CARD_LINES: usize = 2;
+
+/// The cards whose equations were removed, each once: `  Changed: line 13 *EQUATION, line 16 *EQUATION`.
+fn changed_cards(list: &EquationList, plan: &Plan) -> Vec<String> {
+    let Some(model) = list.deck.map(|deck| deck.deck.model()) else { return Vec::new() };
+    let mut cards: Vec<String> = Vec::new();
+    for equation in plan.removed.iter().filter_map(|removed| model.equation(removed.equation)) {
+        let place = model.place(equation.origin);
+        if cards.last() != Some(&place) {
+            cards.push(place);
+        }
+    }
+    if cards.is_empty() {
+        return Vec::new();
+    }
+    let comma = |k: usize| if k + 1 < cards.len() { "," } else { "" };
+    let pieces: Vec<String> =
+        cards.iter().enumerate().map(|(k, card)| format!(" {}{}", label(card), comma(k))).collect();
+    let tail = format!(" ... ({} in all)", cards.len());
+    let flowed = flow("  Removed or changed:", "    ", &pieces, (CARD_LINES, COLUMNS), tail.len());
+    let tail = if flowed.used < pieces.len() { tail } else { String::new() };
+    flowed.finish(&tail)
+}
+
+/// What the proof shows of a deck that was changed.
+fn proved(list: &EquationList, plan: &Plan) -> Option<String> {
+    let deck = list.deck.filter(|_| !plan.is_empty())?;
+    let reasons = if deck.needs_cleaning() {
+        format!("; what is said above of {} no longer applies", deck.deck.solver())
+    } else {
+        String::new()
+    };
+    Some(format!("  It was read again, and has the same solutions{reasons}."))
 }
 
 /// A warning that results change, because claims that the solver dropped now hold.
@@ -80,7 +126,7 @@ const REPAIRS: usize = 3;
 fn next(list: &EquationList, report: &Report, obstacle: Option<&str>) -> Vec<String> {
     let known: Vec<&RepairFinding> = report.repairs.iter().filter(|repair| !repair.ways.is_empty()).collect();
     if known.is_empty() {
-        return vec![advice(list, report, obstacle)];
+        return std::iter::once(advice(list, report, obstacle)).chain(then(list, report)).collect();
     }
     let mut lines: Vec<String> = known.iter().take(REPAIRS).flat_map(|repair| repair_lines(repair)).collect();
     if let Some(first) = lines.first_mut() {
@@ -90,7 +136,20 @@ fn next(list: &EquationList, report: &Report, obstacle: Option<&str>) -> Vec<Str
         let more = count(known.len() - REPAIRS, "more repair");
         lines.push(format!("  and {more}, of other conflicts (all of them: --format json)"));
     }
+    lines.extend(then(list, report));
     lines
+}
+
+/// What remains to do when conflicts are cured: no other value changes what the solver does with two claims on one DOF.
+fn then(list: &EquationList, report: &Report) -> Option<String> {
+    let deck = list.deck.filter(|deck| report.status == Status::Conflicting && deck.needs_cleaning())?;
+    let does = of_solver(deck)?.trim_start_matches("But ").trim_end_matches('.').to_owned();
+    let how = if deck.deck.format() == Format::LsDyna {
+        "correct what is said above by hand".to_owned()
+    } else {
+        format!("run `qless clean {} -o DECK`", quoted(list.input))
+    };
+    Some(format!("Then {how}: without conflicts, {does} as before."))
 }
 
 /// The most plausible way to cure some conflicts, and how many other ways were verified and not verified.
@@ -110,7 +169,7 @@ fn repair_lines(repair: &RepairFinding) -> Vec<String> {
     let others = others.unwrap_or_default();
     if let Some(last) = lines.last_mut() {
         let tail = format!("{more}: {cured}{others}.");
-        if width(last) + width(&tail) + 4 <= super::COLUMNS {
+        if width(last) + width(&tail) + 4 <= COLUMNS {
             last.push_str(&tail);
         } else {
             last.push(':');
@@ -145,6 +204,7 @@ fn advice(list: &EquationList, report: &Report, obstacle: Option<&str>) -> Strin
             "Next: decide, as said above, which equations are meant to be independent.".to_owned()
         }
         _ if is_lost && !is_refused => clean("in which the lost ones hold"),
+        Status::Redundant if is_refused => clean("that the solver takes, without redundant equations"),
         Status::Redundant if list.deck.is_some() => clean("without redundant equations"),
         Status::Redundant => {
             let them = if report.counts.redundant == 1 { "it" } else { "them" };

@@ -14,7 +14,7 @@ pub fn verdict(report: &Report, deck: Option<&DeckInput>) -> String {
 }
 
 /// What the solver does with the deck: `But ccx refuses the deck.`, `But ccx loses 12 claims.`
-fn of_solver(deck: &DeckInput) -> Option<String> {
+pub fn of_solver(deck: &DeckInput) -> Option<String> {
     let (solver, claims) = (deck.deck.solver(), deck.claims());
     match (claims.refused.len(), deck.lost(), claims.unsound.len()) {
         (0, 0, 0) => None,

@@ -22,7 +22,8 @@ use rustc_hash::FxHashMap;
 use super::{CleanError, Renamed};
 use crate::deck::faults::faults_in;
 use crate::deck::plan::conflicts;
-use crate::deck::{Deck, Dof, LoadCase, Model, Sources, read_model};
+use crate::deck::solver::{Outcome, Profile};
+use crate::deck::{Deck, Dof, LoadCase, Model, Solver, Sources, read_model};
 
 /// Proves that a new text of the main file constrains as the deck does.
 ///
@@ -51,7 +52,7 @@ pub fn prove(deck: &Deck, text: &[u8], renamed: &Renamed) -> Result<(), CleanErr
         let both = SharedColumns::new((old, a), &new, renamed);
         let proved = same_space(&both, a, (&new, b), &given, &Noise::Relative(ROUNDING));
         let proved = proved.or_else(|what| same_space(&both, a, (&new, b), &given, &Noise::None).map_err(|_| what));
-        if let Err(what) = proved {
+        if let Err(what) = proved.and_then(|()| without_faults(&new, b, deck.solver())) {
             return Err(doubt(old, a)?.unwrap_or_else(|| unproven(what)));
         }
     }
@@ -121,13 +122,20 @@ fn same_space(
     independent(new, b, after, both)
 }
 
-/// Checks that the equations of a cleaned load case are independent and have no faults.
+/// Checks that the equations of a cleaned load case are independent.
 fn independent(new: &Model, case: &LoadCase, rank: usize, both: &SharedColumns) -> Result<(), String> {
     let count = new.in_force(case).filter(|&i| !both.names_one_dof(new, i)).count();
     if count != rank {
         return Err(format!("{} of {count} equations are still redundant", count - rank));
     }
-    faults_in(new, case).first().map_or(Ok(()), |fault| Err(fault.describe(new)))
+    Ok(())
+}
+
+/// Checks that a cleaned load case has no faults but those that the solver accepts.
+fn without_faults(new: &Model, case: &LoadCase, solver: Solver) -> Result<(), String> {
+    let found = Profile::for_case(solver, new, case).outcomes(faults_in(new, case));
+    let refused = found.iter().find(|finding| finding.outcome != Outcome::Accepted);
+    refused.map_or(Ok(()), |finding| Err(finding.fault.describe(new)))
 }
 
 /// Checks the prescribed values of the new load case, and returns their DOFs. It may prescribe the values of the old load case, and DOFs

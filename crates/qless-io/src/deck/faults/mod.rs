@@ -101,7 +101,7 @@ impl EquationFault {
             }
             FaultKind::Circle => {
                 format!(
-                    "{slave}, the slave of {own}, depends on itself through other slaves, and is not determined or cancels"
+                    "{slave}, the slave of {own}, depends on itself through other slaves, and inserting their equations does not determine it"
                 )
             }
         }

@@ -4,7 +4,7 @@
 //! motion to the point. A component of the point is the product of the motion with a row of six numbers: `(e, r x e)` for components 1 to
 //! 3, along axis e of the point, and `(0, e)` for components 4 to 6, about that axis.
 
-use super::vector::{Vector, largest, length, minus, plus, scaled};
+use super::vector::{Vector, length, minus, plus, rounding_between, scaled};
 use crate::deck::{Dof, Problem};
 
 /// Six coefficients of a component. Their product with a motion (translation and rotation) is the value of the component.
@@ -33,7 +33,7 @@ impl Pose {
     /// six components of `other`.
     pub fn relative_to(&self, other: &Self) -> Self {
         let arm = minus(self.position, other.position);
-        let rounding = 8.0 * f64::EPSILON * (largest(self.position) + largest(other.position));
+        let rounding = rounding_between(self.position, other.position);
         let along = |axis: Vector| product(&axis, &arm);
         let position = other.axes.map(along).map(|x| if x.abs() <= rounding { 0.0 } else { x });
         let axes = self.axes.map(|own| other.axes.map(|axis| product(&axis, &own)));

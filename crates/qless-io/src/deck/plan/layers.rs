@@ -7,13 +7,16 @@
 //! ranks to see whether the kept equations suffice for every load case. Load case k shares the layer of k + 1 if `U_k` is `U_(k+1)` and
 //! both remove the same equations. Cost: one analysis for each layer, and a second one if edits of cards drop equations.
 
+use std::collections::BTreeMap;
+
 use qless::{Analysis, Kind, Options, Preferences, analyse};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::card_edits::{EditKey, edit_of, kept_by_edits};
-use super::{Cases, CleanError, PlanOptions};
+use super::{Cases, CleanError, Combination, PlanOptions};
 use crate::deck::faults::{EquationFault, FaultKind, faults_of};
-use crate::deck::{Deck, LoadCase, Model, Origin, Prescribed};
+use crate::deck::solver::{Outcome, Profile};
+use crate::deck::{Deck, Dof, LoadCase, Model, Origin, Prescribed, Solver};
 
 /// The columns that are prescribed, each with the card that prescribes it.
 pub type PrescribedColumns = FxHashMap<u32, Origin>;
@@ -32,6 +35,7 @@ pub struct Layer {
 /// Which equations are kept, and up to which load case.
 pub struct KeptEquations<'a> {
     pub model: &'a Model,
+    solver: Solver,
     pub options: &'a Options,
     edits_cards: bool,
     explains: bool,
@@ -39,9 +43,8 @@ pub struct KeptEquations<'a> {
     pub layers: Vec<Layer>,
     /// For each equation, the index of its layer: the equation is kept up to the last load case of this layer. `None` if it is dependent.
     pub layer_of: Vec<Option<usize>>,
-    /// For each dependent equation, the kept equations and coefficients of which it is a combination. Empty if the plan needs no
-    /// explanations.
-    pub because: FxHashMap<usize, Vec<(usize, f64)>>,
+    /// For each dependent equation, what gives it. Empty if the plan needs no explanations.
+    pub because: FxHashMap<usize, Combination>,
     /// For each equation, the last load case in which it is in force in the deck; `None` if it never is.
     pub end: Vec<Option<usize>>,
 }
@@ -57,7 +60,9 @@ impl<'a> KeptEquations<'a> {
         let end = ends(model, cases)?;
         let count = model.equations();
         let (layer_of, because) = (vec![None; count], FxHashMap::default());
-        let mut kept = Self { model, options, edits_cards, explains, layers: Vec::new(), layer_of, because, end };
+        let solver = deck.solver();
+        let mut kept =
+            Self { model, solver, options, edits_cards, explains, layers: Vec::new(), layer_of, because, end };
         for last in (0..cases.len()).rev() {
             let next = (last + 1 < cases.len()).then(|| &cases[last + 1]);
             let prescribed = model.prescribed_in(&cases[..=last]);
@@ -101,7 +106,7 @@ impl<'a> KeptEquations<'a> {
                 (Kind::Independent, None) => self.layer_of[i] = Some(number),
                 (Kind::Independent, Some(_)) => {}
                 (_, Some(_)) => return Err(CleanError::Apart { case: case.name.clone() }),
-                (_, None) => self.note(i, &rows, &analysis),
+                (_, None) => self.note(i, &rows, &analysis, &layer.prescribed),
             }
         }
         self.layers.push(layer);
@@ -135,11 +140,17 @@ impl<'a> KeptEquations<'a> {
 
     /// Records the certificate of a dependent equation, unless it has one already. Load cases are treated from last to first, so the
     /// certificate is that of the last load case in which the equation holds.
-    fn note(&mut self, i: usize, rows: &[usize], analysis: &Analysis) {
+    fn note(&mut self, i: usize, rows: &[usize], analysis: &Analysis, prescribed: &PrescribedColumns) {
         let Ok(row) = rows.binary_search(&i) else { return };
+        let (model, explains) = (self.model, self.explains);
         self.because.entry(i).or_insert_with(|| {
-            let because = if self.explains { analysis.because(row).unwrap_or_default() } else { Vec::new() };
-            because.iter().map(|term| (rows[term.row], term.coefficient)).collect()
+            if !explains {
+                return Combination::default();
+            }
+            let because = analysis.because(row).unwrap_or_default();
+            let equations: Vec<_> = because.iter().map(|term| (rows[term.row], term.coefficient)).collect();
+            let prescribed = prescribed_difference(model, i, &equations, prescribed);
+            Combination { equations, prescribed }
         });
     }
 
@@ -167,16 +178,41 @@ impl<'a> KeptEquations<'a> {
         if layer == 0 { Cases::All } else { Cases::UpTo(self.layers[layer].last) }
     }
 
-    /// The faults of the equations in each layer; `is_in(i, k)` says whether equation i belongs to layer k. Solvers react differently to
-    /// faults, but treat equations without faults alike.
+    /// The faults of the equations in each layer that the solver does not accept; `is_in(i, k)` says whether equation i belongs to layer k.
     pub fn faults(&self, is_in: impl Fn(usize, usize) -> bool) -> Vec<EquationFault> {
         let count = self.model.equations();
         let in_layer = |(k, layer): (usize, &Layer)| {
             let left_out: Vec<bool> = (0..count).map(|i| !is_in(i, k)).collect();
-            faults_of(self.model, &layer.prescribed, &left_out)
+            let faults = faults_of(self.model, &layer.prescribed, &left_out);
+            let profile = Profile::without(self.solver, self.model, left_out);
+            let findings = profile.outcomes(faults).into_iter();
+            findings
+                .filter(|finding| finding.outcome != Outcome::Accepted)
+                .map(|finding| finding.fault)
+                .collect::<Vec<_>>()
         };
         self.layers.iter().enumerate().flat_map(in_layer).collect()
     }
+}
+
+/// The prescribed DOFs in which equation `i` differs from the sum of these equations, each with its card.
+fn prescribed_difference(
+    model: &Model,
+    i: usize,
+    equations: &[(usize, f64)],
+    prescribed: &PrescribedColumns,
+) -> Vec<(Dof, Origin)> {
+    let mut sums: BTreeMap<u32, (f64, f64)> = BTreeMap::new();
+    for (k, factor) in equations.iter().copied().chain([(i, -1.0)]) {
+        let row = model.nth(k);
+        for (&j, a) in row.columns.iter().zip(row.coefficients).filter(|(j, _)| prescribed.contains_key(j)) {
+            let (sum, size) = sums.entry(j).or_default();
+            (*sum, *size) = (*sum + factor * a, *size + (factor * a).abs());
+        }
+    }
+    // A comment gives coefficients in twelve digits: what is left of them in the last one is rounding.
+    let differs = |&(_, (sum, size)): &(u32, (f64, f64))| sum.abs() > 1e-11 * size;
+    sums.into_iter().filter(differs).map(|(j, _)| (model.dofs[j as usize], prescribed[&j])).collect()
 }
 
 /// For each equation, the last load case in which it is in force. It is an error if the equation is not in force in all earlier ones.

@@ -17,7 +17,7 @@ use std::sync::Arc;
 use qless::Options;
 
 use crate::deck::faults::EquationFault;
-use crate::deck::{Deck, Dof, Format, Model};
+use crate::deck::{Deck, Dof, Format, Model, Origin};
 
 pub(super) use card_edits::shortened;
 pub(super) use edit::Edits;
@@ -48,13 +48,21 @@ pub struct Removed {
 /// Why an equation is removed from the text.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Reason {
-    /// The equation is dependent. The list gives the equations (by index from 0) and coefficients of which it is a combination. The list is
-    /// empty if the equation has no free DOF.
-    Redundant(Vec<(usize, f64)>),
+    /// The equation is a combination of others and of prescribed DOFs.
+    Redundant(Combination),
     /// The equation is rewritten because it has this fault.
     Fault(EquationFault),
     /// The equation is rewritten because another equation of its connected component is rewritten.
     Connected,
+}
+
+/// What gives a dependent equation.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Combination {
+    /// The kept equations (by index from 0), each with its coefficient. Empty if the dependent equation has no free DOF.
+    pub equations: Vec<(usize, f64)>,
+    /// The prescribed DOFs in which the sum of these equations differs from the dependent equation, each with its card.
+    pub prescribed: Vec<(Dof, Origin)>,
 }
 
 /// A new equation, `slave + sum a_j u_j = rhs`.
@@ -114,7 +122,7 @@ impl Plan {
         let mut next = 0;
         for removed in &self.removed {
             let because = match &removed.reason {
-                Reason::Redundant(because) => because.iter().map(|&(i, _)| i).max(),
+                Reason::Redundant(because) => because.equations.iter().map(|&(i, _)| i).max(),
                 Reason::Fault(_) | Reason::Connected => None,
             };
             let named = because.into_iter().chain([removed.equation]).find(|&i| i >= count);
@@ -208,14 +216,16 @@ fn check_removable(model: &Model, removed: &[Removed]) -> Result<(), CleanError>
     Err(CleanError::Fixed { place: model.place(model.nth(first.equation).origin), why })
 }
 
-/// Largest number of equations of a certificate that a comment names.
+/// Largest number of equations of a certificate, and of prescribed DOFs, that a comment names.
 const NAMED: usize = 8;
 
 /// Says why an equation is removed, for a comment in the written deck. If the equation is no combination of others, `now` says what becomes
 /// of it.
 pub(super) fn reason(model: &Model, removed: &Removed, now: &str) -> String {
     match &removed.reason {
-        Reason::Redundant(because) if because.is_empty() => "removed: all of its DOFs are prescribed".to_owned(),
+        Reason::Redundant(because) if because.equations.is_empty() => {
+            format!("removed: all of its DOFs are prescribed{}", given(model, &because.prescribed, " ("))
+        }
         Reason::Redundant(because) => {
             let term = |(k, &(i, c)): (usize, &(usize, f64))| {
                 let sign = match (k, c < 0.0) {
@@ -228,14 +238,27 @@ pub(super) fn reason(model: &Model, removed: &Removed, now: &str) -> String {
                 let size: f64 = format!("{:.11e}", c.abs()).parse().unwrap_or(c.abs());
                 format!("{sign}{size} * ({})", model.label_of(i))
             };
-            let terms: String = because.iter().take(NAMED).enumerate().map(term).collect();
-            let more = because.len().saturating_sub(NAMED);
+            let terms: String = because.equations.iter().take(NAMED).enumerate().map(term).collect();
+            let more = because.equations.len().saturating_sub(NAMED);
             let more = if more > 0 { format!(" + {more} more") } else { String::new() };
-            format!("removed, redundant: {} = {terms}{more}", model.label_of(removed.equation))
+            let given = given(model, &because.prescribed, ", with prescribed DOFs (");
+            format!("removed, redundant: {} = {terms}{more}{given}", model.label_of(removed.equation))
         }
         Reason::Fault(fault) => format!("{now}: {}", fault.describe(model)),
         Reason::Connected => format!("{now}: it shares DOFs with equations that are {now} too"),
     }
+}
+
+/// Prescribed DOFs after `start`, and a closing bracket: `, with prescribed DOFs (3:1 in line 20 *BOUNDARY)`. Empty if there are none.
+fn given(model: &Model, prescribed: &[(Dof, Origin)], start: &str) -> String {
+    if prescribed.is_empty() {
+        return String::new();
+    }
+    let name = |&(dof, origin): &(Dof, Origin)| format!("{} in {}", model.dof_name(dof), model.place(origin));
+    let names: Vec<String> = prescribed.iter().take(NAMED).map(name).collect();
+    let more = prescribed.len().saturating_sub(NAMED);
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    format!("{start}{}{more})", names.join(", "))
 }
 
 #[cfg(test)]

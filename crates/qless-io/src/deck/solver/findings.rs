@@ -52,6 +52,18 @@ impl Finding {
     }
 }
 
+impl Profile<'_> {
+    /// What the solver does about each of these faults.
+    pub fn outcomes(&self, faults: Vec<EquationFault>) -> Vec<Finding> {
+        let is_circle = |fault: &EquationFault| fault.kind == FaultKind::Circle;
+        let circle: Vec<usize> = faults.iter().filter(|fault| is_circle(fault)).map(|fault| fault.equation).collect();
+        // The slaves of a circle depend on one another, so the same reaction holds for all of them.
+        let round = (!circle.is_empty()).then(|| self.circle(&circle));
+        let outcome = |fault: &EquationFault| round.filter(|_| is_circle(fault)).unwrap_or_else(|| self.outcome(fault));
+        faults.into_iter().map(|fault| Finding { fault, outcome: outcome(&fault) }).collect()
+    }
+}
+
 /// A solver's reaction to each fault of the equations in force in a load case, sorted by equation. Equations that the
 /// solver drops have no further faults; those dropped in the first load case stay dropped.
 ///
@@ -171,13 +183,6 @@ impl<'a> FaultSearch<'a> {
             };
             faults.extend(self.slaves().into_iter().filter_map(taken));
         }
-        let is_circle = |fault: &&EquationFault| fault.kind == FaultKind::Circle;
-        let circle: Vec<usize> = faults.iter().filter(is_circle).map(|fault| fault.equation).collect();
-        // The slaves of a circle depend on one another, so the same reaction holds for all of them.
-        let round = (!circle.is_empty()).then(|| self.profile.circle(&circle));
-        for fault in faults {
-            let round = round.filter(|_| is_circle(&&fault));
-            self.findings.push(Finding { fault, outcome: round.unwrap_or_else(|| self.profile.outcome(&fault)) });
-        }
+        self.findings.extend(self.profile.outcomes(faults));
     }
 }

@@ -64,7 +64,11 @@ pub(super) struct Profile<'a> {
 impl<'a> Profile<'a> {
     /// The profile for all load cases of a deck.
     pub fn new(solver: Solver, model: &'a Model) -> Self {
-        let left_out = vec![false; model.equations()];
+        Self::without(solver, model, vec![false; model.equations()])
+    }
+
+    /// The profile for all load cases of a deck, if the equations marked in `left_out` are not in force.
+    pub fn without(solver: Solver, model: &'a Model, left_out: Vec<bool>) -> Self {
         let cases = &model.cases;
         Self { solver, model, cases, left_out, chain: OnceCell::new(), eliminations: OnceCell::new() }
     }
