@@ -12,7 +12,7 @@ use crate::deck_input::Reaction;
 use crate::diagnose::{Diagnosis, Question, diagnose};
 use crate::failure::CliFailure;
 use crate::preferences::Place;
-use crate::report::text::member_name;
+use crate::report::text::{member_name, remainder};
 use crate::report::{RepairWords, json};
 use crate::terminal::{self, Progress};
 use crate::wording::{self, count, label, number, printable};
@@ -273,6 +273,8 @@ impl<'a> Teller<'a> {
         if members.len() > SHOWN {
             answer.text.push(format!("  and {} more (all of them: --format json)", members.len() - SHOWN));
         }
+        let left = remainder(explanation.error, self.diagnosis.options.tolerance);
+        answer.text.extend(left.map(|line| format!("  {line}")));
     }
 
     fn freed_by(&self, freed: Freed) -> Result<Vec<String>, CliFailure> {

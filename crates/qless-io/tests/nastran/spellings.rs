@@ -173,3 +173,27 @@ fn an_automatic_choice_of_dependent_components_is_said() {
     let text = "lets Nastran choose dependent components and drop redundant equations: it may not stop where a stop is predicted";
     assert_eq!(said("yes"), [format!("line 2: PARAM,AUTOMPC,YES {text}")]);
 }
+
+/// Two grids at one point, of which one is typed in turned axes, with all digits that a field of 16 columns holds: no equation has an arm.
+#[test]
+fn rounding_of_coordinates_makes_no_arms() {
+    for k in 1..200 {
+        let (angle, size) = (f64::from(k) * 0.03, 10_f64.powi(k % 6));
+        let (x, y) = (1.2345 * size * f64::from(k), 0.77 * size);
+        let own = [x * angle.cos() + y * angle.sin(), y * angle.cos() - x * angle.sin()];
+        let field = |value: f64| {
+            let wide = |digits: usize| format!("{value:.digits$}");
+            (0..16).rev().map(wide).find(|text| text.len() <= 16).expect("fits")
+        };
+        let frame = format!("CORD2R*,5,,0.,0.\n*,0.,0.,0.,1.\n*,{},{},0.\n", field(angle.cos()), field(angle.sin()));
+        let deck = format!(
+            "CEND\nBEGIN BULK\n{frame}GRID*,1,,{},{}\n*,12.3\nGRID*,2,5,{},{}\n*,12.3\nRBE2,9,1,123,2\n",
+            field(x),
+            field(y),
+            field(own[0]),
+            field(own[1])
+        );
+        let expected = ["1 2:1 -1 1:1", "1 2:2 -1 1:2", "1 2:3 -1 1:3"];
+        assert_eq!(equations(&model(&deck)), expected, "{deck}");
+    }
+}

@@ -23,7 +23,7 @@ use super::classify::{Dependent, MismatchRule, classify};
 use super::confidence::{Confidence, Doubt};
 use super::consistent::{as_combinations, is_worse, to_give_up};
 use super::distance::CoreDistance;
-use super::nullspace_probe::{InverseEstimate, NullspaceProbe, ProbeSample, RandomKeys, is_far, probe, random_sides};
+use super::nullspace_probe::{InverseEstimate, NullspaceProbe, RandomKeys, is_far, probe, random_sides};
 use super::pass_result::{PassResult, groups, statistics};
 use super::preferred_equations::{exchanged, has_another_rank};
 use super::{Analysis, AnalysisError, confidence, generated, hidden_conflicts};
@@ -84,9 +84,11 @@ pub(super) fn read(
     let first = pipeline.run_verified(options.presolve)?;
     let wanted = &options.preferences.equations;
     let given_up = to_give_up(&first.pass, &rule, wanted);
+    let remainders = first.remainders(local);
     let list = |gone: &BTreeSet<usize>, pass: &PassResult| as_combinations(gone, pass, &rule, backend.as_ref());
-    let (verified, given_up) = pipeline.without(given_up, first, options.presolve, list, is_worse)?;
+    let (mut verified, given_up) = pipeline.without(given_up, first, options.presolve, list, is_worse)?;
     let pipeline = Pipeline { absent: &given_up, ..pipeline };
+    verified.keep_remainders(&pipeline, remainders);
     let exchanged = exchanged(wanted, &verified.pass, &rule);
     let list = |gone: &BTreeSet<usize>, _: &PassResult| Ok(gone.iter().map(|row| exchanged[row].clone()).collect());
     let rows = exchanged.keys().copied().collect();
@@ -97,9 +99,7 @@ pub(super) fn read(
         verified.confidence = pipeline.with_exchanged(&verified, exchanged, error);
     }
     let VerifiedPass { mut pass, confidence } = verified;
-    let immobile = std::mem::take(&mut pass.probe.immobile);
-    let fixed = generated::find(immobile, local, &pass.basis, &pass.history, &scaling, &pass.keys);
-    let generated = generated::evaluate(fixed, local, &pass.particular);
+    let generated = generated::evaluate(std::mem::take(&mut pass.fixed), local, &pass.particular);
     Ok(pass.into_analysis(system, numbering, scaling, options.clone(), generated, confidence, backend.as_ref()))
 }
 
@@ -126,6 +126,29 @@ struct Pipeline<'a> {
 struct VerifiedPass {
     pass: PassResult,
     confidence: Confidence,
+}
+
+impl VerifiedPass {
+    /// The largest remainder of all dropped equations, and of those of each component; none if all are rounding.
+    fn remainders(&self, local: LocalSystem) -> Option<(f64, Labels, Vec<f64>)> {
+        let labels = (self.confidence.error > 0.0).then(|| Labels::of(local))?;
+        let mut largest = vec![0.0_f64; labels.count];
+        for d in &self.pass.dependent {
+            let of_component = &mut largest[labels.of_row[d.row] as usize];
+            *of_component = of_component.max(d.dropped);
+        }
+        Some((self.confidence.error, labels, largest))
+    }
+
+    /// Equations that were given up for dropped ones have their remainders: another choice of equations removes no doubt.
+    fn keep_remainders(&mut self, pipeline: &Pipeline, remainders: Option<(f64, Labels, Vec<f64>)>) {
+        let Some((error, labels, largest)) = remainders.filter(|_| !pipeline.absent.is_empty()) else { return };
+        for d in self.pass.dependent.iter_mut().filter(|d| pipeline.absent.contains(&d.row)) {
+            d.dropped = d.dropped.max(largest[labels.of_row[d.row] as usize]);
+        }
+        let Confidence { distance, doubt, .. } = self.confidence;
+        self.confidence = Confidence::of(distance, self.confidence.error.max(error), pipeline.tolerance, doubt);
+    }
 }
 
 impl Pipeline<'_> {
@@ -230,7 +253,7 @@ impl Pipeline<'_> {
         let mut pass = self.run_stages(held_back)?;
         let probe_with = |pass: &PassResult, inverse| {
             let PassResult { basis, history, keys, .. } = pass;
-            probe(self.local, basis, history, self.scaling, keys, ProbeSample::First, inverse)
+            probe(self.local, basis, history, self.scaling, keys, inverse)
         };
         pass.probe = probe_with(&pass, InverseEstimate::Bound);
         if !pass.probe.is_harmless() {
@@ -270,9 +293,8 @@ impl Pipeline<'_> {
         let differ = confidence::are_sides_in_doubt(dependent, &pass.history, self.rule, self.tolerance);
         let other = typed.or(elimination).or(differ.then_some(Doubt::Mismatch));
         let confidence = Confidence::of(distance, error, self.tolerance, other);
-        if !pass.probe.immobile.is_empty() {
-            pass.particular = generated::particular(&pass.kept(self.local, self.scaling));
-        }
+        let kept = pass.kept(self.local, self.scaling);
+        (pass.fixed, pass.particular) = generated::find(&kept, &pass.probe.slow, &pass.keys);
         pass.triangles = Vec::new();
         pass.blocks.iter_mut().for_each(Block::restore_units);
         VerifiedPass { pass, confidence }
@@ -341,6 +363,7 @@ impl Pipeline<'_> {
             far_dependent,
             keys,
             probe: NullspaceProbe::default(),
+            fixed: Vec::new(),
             particular: Vec::new(),
             distances: Vec::new(),
             presolve,

@@ -1,20 +1,31 @@
 //! Generated boundary conditions: free DOFs that the equations fix to a value (section 2.2 and Figure 6 of the paper).
 //!
-//! DOF s is fixed iff it does not move in any vector of the null space of the free part of C. Two random vectors of the null space show
-//! this without T: a fixed DOF is zero to rounding in both, and any other DOF is zero with probability zero.
+//! DOF s is fixed iff it does not move in any vector of the null space of the free part of C. A random vector u of the null space shows this
+//! without T: a fixed DOF is zero to rounding, and any other DOF is zero with probability zero. What rounding is, y tells in any units:
+//!
+//! ```text
+//! C u = 0,   C y = +-|C'| |u| with random signs, C' the coefficients that may be rounded:   |E| <= e |C'| changes u_s by about e |y_s|
+//! s is fixed   iff   |u_s| <= e |y_s|   for the rounding e of coefficients, or u_s is zero to the 32 digits of the solve
+//! ```
+//!
+//! Cost: one solve for u, and one for all samples of y and the values of the fixed DOFs; none if every DOF moves.
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::BTreeMap;
 
 use crate::Csr;
+use crate::common::random::signed;
 use crate::diagnosis::certificate::{CertificateTerm, History};
+use crate::diagnosis::confidence::NEAR;
 use crate::diagnosis::distance::KeptRows;
-use crate::diagnosis::nullspace_probe::{InverseEstimate, ProbeSample, RandomKeys, probe};
+use crate::diagnosis::nullspace_probe::{RandomKeys, random_motions};
 use crate::diagnosis::refined::SolveKept;
+use crate::factor::backend::many::Slab;
 use crate::factor::backend::{Backend, BackendError};
 use crate::factor::block::Block;
 use crate::factor::block::dependent::NO_PIVOT;
+use crate::input::noise::SUSPECT;
 use crate::input::numbering::LocalSystem;
-use crate::input::scale::{Scaling, ldexp};
+use crate::input::scale::{Scaling, free, ldexp};
 use crate::presolve::basis::{Basis, RowOrigin};
 
 /// A sum that cancels to this fraction of its terms is zero.
@@ -29,36 +40,55 @@ pub(crate) struct Generated {
     pub dofs: Vec<u32>,
 }
 
-/// The DOFs of `fixed` that are also zero in a second random vector of the null space, ascending by the user's numbers.
-pub(crate) fn find(
-    mut fixed: Vec<u32>,
-    system: LocalSystem,
-    basis: &Basis,
-    history: &History,
-    scaling: &Scaling,
-    keys: &RandomKeys,
-) -> Vec<u32> {
-    if fixed.is_empty() {
-        return fixed;
+/// The rounding error of coefficients: that of a sum of a hundred terms, as for suspect coefficients.
+const ROUNDED: f64 = f64::EPSILON * (1_u64 << (SUSPECT + 52)) as f64;
+/// A coefficient of at most 26 bits, half of those of a double, is exact: it is not the result of rounding.
+const SHORT: u32 = 26;
+/// A DOF that rests is fixed if it moves no more than this in sums of two doubles, beside motions of size 1: their rounding at distances
+/// from dependence that cause no doubt.
+const REST: f64 = f64::EPSILON * f64::EPSILON / NEAR;
+/// Number of samples of y. A sample is 64 times smaller than typical with a probability of about 1/64, so all are with one of 4e-6.
+const SAMPLES: usize = 3;
+/// Seeds of the signs of the samples.
+const SEEDS: [u64; SAMPLES] = [0x243f_6a88, 0x1319_8a2e, 0x0370_7344];
+
+/// The fixed DOFs among the slow ones, ascending by the user's numbers, and a solution of the kept equations; both are empty if no DOF is
+/// slow.
+///
+/// The solution is computed in sums of two doubles. Elimination row by row in doubles can lose all digits of a DOF:
+/// `1e-20 u_1 + u_2 = 0.1` leaves no digit of u_1 if u_2 is rounded to a double.
+pub(crate) fn find(kept: &KeptRows, slow: &[(u32, bool)], keys: &RandomKeys) -> (Vec<u32>, Vec<f64>) {
+    let (system, scaling) = (kept.system, kept.scaling);
+    if slow.is_empty() {
+        return Default::default();
     }
-    let again: HashSet<u32> = probe(system, basis, history, scaling, keys, ProbeSample::Second, InverseEstimate::Bound)
-        .immobile
-        .into_iter()
-        .collect();
-    fixed.retain(|j| again.contains(j));
+    let start = random_motions(system, kept.basis, scaling, keys).into_iter().map(|u| [u]).collect();
+    let none = |_| [0.0];
+    let u = kept.complete(kept.solve(start, none), none);
+    let rounded = |i: usize| free(system, i).filter(|&(_, v)| !is_short(v));
+    let size = |i: usize| rounded(i).map(|(j, v)| (v * u[j][0]).abs()).sum::<f64>();
+    let sides = |i: usize| {
+        let size = size(i);
+        let [a, b, c] = SEEDS.map(|seed| size * signed(seed, keys.row(i as u32)));
+        [system.rhs()[i], a, b, c]
+    };
+    let mut start: Slab<4> = vec![[0.0; 4]; system.dofs()];
+    system.prescribed().iter().for_each(|&(j, value)| start[j][0] = value);
+    let found = kept.complete(kept.solve(start, sides), sides);
+    let changes = |j: usize| found[j][1..].iter().fold(0.0, |most: f64, y| most.max(y.abs()));
+    let is_fixed = |&(j, rests): &(u32, bool)| {
+        let (j, motion) = (j as usize, u[j as usize][0].abs());
+        motion <= ROUNDED * changes(j) || rests && motion <= ldexp(REST, scaling.col(j))
+    };
+    let mut fixed: Vec<u32> = slow.iter().filter(|one| is_fixed(one)).map(|&(j, _)| j).collect();
     fixed.sort_unstable_by_key(|&j| system.numbering.dofs[j as usize]);
-    fixed
+    let solution: Vec<f64> = found.into_iter().map(|[solution, ..]| solution).collect();
+    let is_finite = solution.iter().all(|u| u.is_finite());
+    (fixed, if is_finite { solution } else { kept.basis.particular(system, scaling) })
 }
 
-/// A solution of the kept equations, in sums of two doubles. Elimination row by row in doubles can lose all digits of a DOF:
-/// `1e-20 u_1 + u_2 = 0.1` leaves no digit of u_1 if u_2 is rounded to a double.
-pub(crate) fn particular(kept: &KeptRows) -> Vec<f64> {
-    let system = kept.system;
-    let mut start = vec![[0.0]; system.dofs()];
-    system.prescribed().iter().for_each(|&(j, value)| start[j] = [value]);
-    let sides = |i: usize| [system.rhs()[i]];
-    let u = kept.complete(kept.solve(start, sides), sides);
-    if u.iter().all(|u| u.is_finite()) { u } else { kept.basis.particular(system, kept.scaling) }
+fn is_short(v: f64) -> bool {
+    v.to_bits().trailing_zeros() >= f64::MANTISSA_DIGITS - SHORT
 }
 
 /// The values `G u_p + g` of fixed DOFs in the solution u.

@@ -36,6 +36,8 @@ pub struct PassResult {
     pub keys: RandomKeys,
     /// Estimates for the slaves and their rows of T.
     pub probe: NullspaceProbe,
+    /// The fixed DOFs, ascending by the user's numbers.
+    pub fixed: Vec<u32>,
     /// A solution of the kept equations by DOF, if some DOFs may be fixed.
     pub particular: Vec<f64>,
     /// One equation of each core of kept equations, and the distance of the core from dependence.

@@ -69,8 +69,8 @@ fn not_peeled<'a>(basis: &'a Basis, history: &'a History) -> impl Iterator<Item 
 }
 
 impl KeptRows<'_> {
-    /// Solves the peeled equations too, and returns the solution.
-    pub fn complete(&self, mut solution: Solutions<1>, sides: impl Fn(usize) -> [f64; 1]) -> Vec<f64> {
+    /// Solves the peeled equations too, and returns the solutions in doubles.
+    pub fn complete<const W: usize>(&self, mut solution: Solutions<W>, sides: impl Fn(usize) -> [f64; W]) -> Slab<W> {
         for (t, &row) in self.basis.peeled.iter().enumerate().rev() {
             let (row, slave) = (row as usize, self.basis.slave(t));
             let pivot = self.system.coefficient(row, slave);
@@ -80,7 +80,7 @@ impl KeptRows<'_> {
                 solution.add_to(slave as usize, quotient);
             }
         }
-        solution.high.into_iter().map(|[value]| value).collect()
+        solution.high
     }
 }
 

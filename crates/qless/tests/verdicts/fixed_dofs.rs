@@ -130,3 +130,79 @@ fn a_dof_that_sums_of_equations_hold_is_fixed() {
     }
     assert!(sure > 2000, "{sure}");
 }
+
+/// A number as typed with `digits` decimals.
+fn typed(value: f64, digits: usize) -> f64 {
+    format!("{value:.digits$}").parse().expect("a number")
+}
+
+/// `a u0 + b u1 + c u2 = 0`, and 500 times as much with another `a`: u0 is fixed by a difference in the fourth to sixth digit, in any unit.
+/// Nothing is fixed beside it, and its coefficients are not exact in binary.
+#[test]
+fn a_dof_that_a_small_difference_fixes_is_told() {
+    for seed in 0..300 {
+        let mut random = SplitMix64::new(seed);
+        let mut value = || typed((11 + below(&mut random, 89)) as f64 / 10.0, 1);
+        let (a, b, c) = (value(), value(), value());
+        let share = 10_f64.powi(-4 - (seed % 3) as i32);
+        let unit = 10_f64.powi((seed / 3 % 5) as i32);
+        let rows = [[a, b, c], [typed(500.0 * a * (1.0 + share), 6), typed(500.0 * b, 1), typed(500.0 * c, 1)]];
+        let rows = rows.map(|row| [(0, row[0] * unit), (1, row[1]), (2, row[2])]);
+        let equations: Equations = &[(&rows[0], 0.0), (&rows[1], 0.0)];
+        each(&system(3, equations, &[]), |analysis, name| {
+            let found: Vec<usize> = analysis.generated().iter().map(|&(j, _)| j).collect();
+            assert_eq!((analysis.rank(), found), (2, vec![0]), "{seed}, {name}: {rows:?}");
+        });
+    }
+}
+
+/// `sum m_i u_i = 0` and `u_4 = sum m_i / M u_i` fix u_4, whatever the masses are.
+#[test]
+fn the_mean_of_what_has_no_momentum_is_fixed() {
+    for seed in 0..300 {
+        let mut random = SplitMix64::new(seed);
+        let masses: Vec<f64> = (0..3)
+            .map(|_| (1 + below(&mut random, 99)) as f64 / 10.0 * 10_f64.powi(below(&mut random, 11) as i32 - 5))
+            .collect();
+        let all: f64 = masses.iter().sum();
+        let mean = |k: usize| (k, -masses[k] / all);
+        let some = masses[0] + masses[1];
+        let rows: [Vec<(usize, f64)>; 4] = [
+            (0..3).map(|k| (k, masses[k])).collect(),
+            (0..3).map(mean).chain([(3, 1.0)]).collect(),
+            vec![(4, 1.0), (0, -masses[0] / some), (1, -masses[1] / some)],
+            vec![(5, all), (4, -some), (2, -masses[2])],
+        ];
+        let equations: Vec<(&[(usize, f64)], f64)> = rows.iter().map(|row| (&row[..], 0.0)).collect();
+        each(&system(6, &equations, &[]), |analysis, name| {
+            if !analysis.confidence().ambiguous {
+                let found: Vec<usize> = analysis.generated().iter().map(|&(j, _)| j).collect();
+                assert_eq!(found, [3, 5], "{seed}, {name}: {masses:?}");
+            }
+        });
+    }
+}
+
+/// `u_i = u_(i+1) + 6 u_(i+2)`, of which the end moves by 3^-25 of the start, with rows and DOFs in units of powers of two.
+#[test]
+fn what_moves_less_and_less_is_not_fixed() {
+    for seed in 0..300 {
+        let mut random = SplitMix64::new(seed);
+        let mut power = || 2_f64.powi(below(&mut random, 61) as i32 - 30);
+        let n = 26;
+        let units: Vec<f64> = (0..n).map(|_| power()).collect();
+        let mut builder = SystemBuilder::new(n);
+        for i in 0..n - 1 {
+            let unit = power();
+            let terms = [(i, 1.0), (i + 1, -1.0), (i + 2, -6.0)];
+            // The last equation asks for the growing solution.
+            let terms = if i + 2 < n { &terms[..] } else { &[(i, 1.0), (i + 1, -3.0)] };
+            builder.equation(terms.iter().map(|&(j, a)| (j, a * unit * units[j])), 0.0);
+        }
+        each(&builder.build().expect("valid"), |analysis, name| {
+            if !analysis.confidence().ambiguous {
+                assert_eq!((analysis.rank(), analysis.generated()), (n - 1, [].as_slice()), "{seed}, {name}");
+            }
+        });
+    }
+}

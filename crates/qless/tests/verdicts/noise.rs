@@ -154,3 +154,36 @@ fn ties_along_turned_axes_are_the_same_or_in_doubt() {
         }
     }
 }
+
+/// A discrete Fourier transform and its inverse, with the zeros that cosines leave: all agree but for numbers of 1e-16, which the report
+/// names as the reason for doubt.
+#[test]
+fn remainders_that_consist_of_rounding_are_told_as_rounding() {
+    for n in [4_usize, 8, 12] {
+        let angle = |k: usize, x: usize| 2.0 * std::f64::consts::PI * (k * x) as f64 / n as f64;
+        // u_x = sum_k a_k cos + b_k sin, and back; DOFs 0..n are values, then a_0..a_(n/2), then b_1..b_(n/2-1).
+        let half = n / 2;
+        let (a, b) = (|k: usize| n + k, |k: usize| n + half + k);
+        let mut builder = SystemBuilder::new(2 * n);
+        for k in 0..=half {
+            let weight = if k == 0 || k == half { 1.0 } else { 2.0 } / n as f64;
+            builder.equation((0..n).map(|x| (x, -weight * angle(k, x).cos())).chain([(a(k), 1.0)]), 0.0);
+            if k > 0 && k < half {
+                builder.equation((0..n).map(|x| (x, -weight * angle(k, x).sin())).chain([(b(k), 1.0)]), 0.0);
+            }
+        }
+        for x in 0..n {
+            let cosines = (0..=half).map(|k| (a(k), -angle(k, x).cos()));
+            let sines = (1..half).map(|k| (b(k), -angle(k, x).sin()));
+            builder.equation(cosines.chain(sines).chain([(x, 1.0)]), 0.0);
+        }
+        each(&builder.build().expect("valid"), |analysis, name| {
+            let (confidence, other) = (analysis.confidence(), analysis.other_reading());
+            assert_eq!(analysis.rank(), n, "{n}, {name}");
+            assert!(
+                !confidence.ambiguous || other.is_some_and(|other| other.as_zero && other.rank == n),
+                "{n}, {name}: {confidence:?}"
+            );
+        });
+    }
+}

@@ -189,3 +189,29 @@ fn refinement_stays_within_its_component() {
         }
     }
 }
+
+/// A loop of rates whose product is `1 + e`: the equation that is dropped differs by e, whatever the right-hand sides are.
+#[test]
+fn right_hand_sides_hide_no_remainder() {
+    for seed in 0..400 {
+        let mut random = SplitMix64::new(seed);
+        let n = if seed % 2 == 0 { 4 } else { 6 };
+        let e = [1e-12, 9e-12, 9e-11][seed as usize % 3];
+        let mut rate = || (1 + below(&mut random, 9999)) as f64 * 10_f64.powi(below(&mut random, 13) as i32 - 8);
+        let mut rates: Vec<f64> = (0..n - 1).map(|_| rate()).collect();
+        rates.push((1.0 + e) / rates.iter().product::<f64>());
+        let u: Vec<f64> = (0..n).map(|_| rate()).collect();
+        let sides = |with: bool| {
+            let mut builder = SystemBuilder::new(n);
+            for (i, &rate) in rates.iter().enumerate() {
+                let next = (i + 1) % n;
+                builder.equation([(next, 1.0), (i, -rate)], if with { u[next] - rate * u[i] } else { 0.0 });
+            }
+            builder.build().expect("valid")
+        };
+        each(&sides(false), |analysis, name| assert!(analysis.confidence().ambiguous, "{seed}, {name}"));
+        each(&sides(true), |analysis, name| {
+            assert!(analysis.confidence().ambiguous, "{seed}, {name}: {rates:?}, {u:?}, {:?}", analysis.kinds());
+        });
+    }
+}

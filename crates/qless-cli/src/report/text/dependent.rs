@@ -95,12 +95,7 @@ fn entry(list: &EquationList, dependent: &DependentRow, most: usize) -> Vec<Stri
     let wanted = if is_conflict { CONFLICT_LINES } else { REDUNDANCY_LINES };
     let lookup = (list.equations, list.system);
     let mut lines = combination::lines(lookup, dependent.row, members, wanted.min(most.saturating_sub(1)).max(1));
-    if explanation.error > tolerance(list.tolerance) {
-        let error = number(explanation.error);
-        lines.push(format!(
-            "      at its worst DOF this combination leaves {error} of the terms there: rounding, if those are tiny"
-        ));
-    }
+    lines.extend(remainder(explanation.error, list.tolerance).map(|line| format!("      {line}")));
     if is_conflict {
         lines.push(match list.system {
             Some(system) => format!("      {}", explanation.arithmetic(system, dependent.row)),
@@ -108,6 +103,17 @@ fn entry(list: &EquationList, dependent: &DependentRow, most: usize) -> Vec<Stri
         });
     }
     lines
+}
+
+/// A line about what a combination leaves, if that is more than the tolerance.
+pub fn remainder(error: f64, allowed: Tolerance) -> Option<String> {
+    let line = || {
+        format!(
+            "at its worst DOF this combination leaves {} of the terms there: rounding, if those are tiny",
+            number(error)
+        )
+    };
+    (error > tolerance(allowed)).then(line)
 }
 
 /// A certificate whose error is above this value is reported; smaller errors are within the tolerance of the rank.

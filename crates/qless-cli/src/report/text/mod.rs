@@ -19,6 +19,7 @@ use crate::deck_input::DeckInput;
 use crate::diagnose::Diagnosis;
 use crate::wording::EquationLookup;
 use crate::wording::layout::{LayoutSection, section_lines, section_needs};
+pub use dependent::remainder;
 pub use summary::verdict_on_equations;
 
 /// Largest width, in columns, of lists of rows, members and DOFs; sentences are not limited.

@@ -29,8 +29,8 @@ pub(crate) struct NullspaceProbe {
     pub doubtful: Vec<usize>,
     /// The doubtful rows whose slaves have too few digits left, so that the rows are doubtful at any distance from dependence.
     pub lost: Vec<usize>,
-    /// Slaves that stay zero for random masters and zero prescribed values.
-    pub immobile: Vec<u32>,
+    /// DOFs that hardly move for random masters and zero prescribed values, and whether they rest.
+    pub slow: Vec<(u32, bool)>,
     /// For each row of the basis, a bound of the row of T: the largest coefficient, or infinity if the row of the basis contains other
     /// slaves.
     pub bounds: Vec<f64>,

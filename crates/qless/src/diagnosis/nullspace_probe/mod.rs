@@ -11,17 +11,13 @@ use crate::presolve::basis::{Basis, BasisRow, Kept, Vectors};
 
 pub(crate) use findings::{NullspaceProbe, is_far};
 pub(crate) use random_keys::{RandomKeys, random_sides};
-use random_keys::{SEEDS, random_step_sides, sizes_of_inverse};
+use random_keys::{SEED, random_step_sides, sizes_of_inverse};
 
 /// A sum that cancels to this fraction of its terms is zero.
 const NOISE: f64 = 1e-11;
-
-/// Which set of random numbers is used.
-#[derive(Clone, Copy)]
-pub(crate) enum ProbeSample {
-    First,
-    Second,
-}
+/// A DOF may be fixed if its motion cancels to this fraction of its terms: the error of a motion is `eps / d`, and at distances d below
+/// 1e-7 from dependence the verdict is in doubt anyway.
+const HARDLY: f64 = 1e-6;
 
 /// How the rows of `C_S^-1` are estimated. C_S holds the columns of the slaves in the kept equations.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -33,17 +29,16 @@ pub(crate) enum InverseEstimate {
     Sample,
 }
 
-/// Probes with the first or the second sample of masters and right-hand sides. O(nnz).
+/// Probes with random masters and right-hand sides. O(nnz).
 pub(crate) fn probe(
     system: LocalSystem,
     basis: &Basis,
     history: &History,
     scaling: &Scaling,
     keys: &RandomKeys,
-    which: ProbeSample,
     inverse: InverseEstimate,
 ) -> NullspaceProbe {
-    let pass = ProbePass { system, basis, history, scaling, keys, which };
+    let pass = ProbePass { system, basis, history, scaling, keys };
     match inverse {
         InverseEstimate::Bound => pass.run::<true>(),
         InverseEstimate::Sample => pass.run::<false>(),
@@ -57,36 +52,35 @@ struct ProbePass<'a> {
     history: &'a History,
     scaling: &'a Scaling,
     keys: &'a RandomKeys,
-    which: ProbeSample,
 }
 
 impl ProbePass<'_> {
     fn run<const BOUND: bool>(&self) -> NullspaceProbe {
-        let Self { system, basis, history, scaling, keys, which } = *self;
-        let seed = SEEDS[which as usize];
-        let mut states = start(system, scaling, keys, which, seed);
-        let mut immobile = Vec::new();
-        basis.blocks.iter().for_each(|block| enter(block, which, scaling, &mut states, &mut immobile));
-        let of_steps = if BOUND { sizes_of_inverse(history) } else { random_step_sides(history, keys, seed) };
+        let Self { system, basis, history, scaling, keys } = *self;
+        let mut states = start(system, scaling, keys);
+        let mut slow = Vec::new();
+        basis.blocks.iter().for_each(|block| enter(block, scaling, &mut states, &mut slow));
+        let of_steps = if BOUND { sizes_of_inverse(history) } else { random_step_sides(history, keys) };
         let first = basis.peeled.len();
         let plain = scaling.col.is_empty();
-        let mut out = NullspaceProbe { bounds: vec![0.0; basis.rows()], immobile, ..NullspaceProbe::default() };
+        let mut out = NullspaceProbe { bounds: vec![0.0; basis.rows()], slow, ..NullspaceProbe::default() };
         for t in (0..basis.rows()).rev() {
             let slave = basis.slave(t);
             let terms = basis.row(system, t);
             let Sums { moves, size, sample, bound } = sums::<BOUND>(terms, slave, &states, scaling);
             // A NaN does not count as zero.
-            let moves = if moves.abs() <= NOISE * size { 0.0 } else { moves };
-            out.bounds[t] = bound;
-            if moves == 0.0 {
-                out.immobile.push(slave);
+            let rests = moves.abs() <= NOISE * size;
+            if moves.abs() <= HARDLY * size {
+                out.slow.push((slave, rests));
             }
+            let moves = if rests { 0.0 } else { moves };
+            out.bounds[t] = bound;
             let state = &mut states[slave as usize];
             state.u = moves;
             let right = match t {
                 _ if t >= first => of_steps[t - first],
                 _ if BOUND => 1.0,
-                _ => signed(seed, keys.row(basis.peeled[t])),
+                _ => signed(SEED, keys.row(basis.peeled[t])),
             };
             let pivot = basis.pivot(t, &terms, scaling);
             state.w = apart_from_zero(sample + right / if BOUND { pivot.abs() } else { pivot });
@@ -108,20 +102,14 @@ pub struct State {
     pub w: f64,
 }
 
-/// The states at the start: masters are random, prescribed DOFs are zero. In the second sample each value is divided by the DOF's largest
-/// coefficient, measured as a power of two relative to the largest of its equation, so that a motion with small coefficients is not lost
-/// beside others.
-pub fn start(system: LocalSystem, scaling: &Scaling, keys: &RandomKeys, which: ProbeSample, seed: u64) -> Vec<State> {
-    let master = |j: usize| State { u: ldexp(signed(!seed, keys.dof(j)), scaling.col(j)), w: 0.0 };
-    let plain = |j: usize| State { u: signed(!seed, keys.dof(j)), w: 0.0 };
-    let mut states: Vec<State> = if scaling.col.is_empty() {
-        (0..system.dofs()).map(plain).collect()
-    } else {
-        (0..system.dofs()).map(master).collect()
+/// The states at the start: masters are random, prescribed DOFs are zero.
+fn start(system: LocalSystem, scaling: &Scaling, keys: &RandomKeys) -> Vec<State> {
+    let is_plain = scaling.col.is_empty();
+    let random = |j: usize| {
+        let u = signed(!SEED, keys.dof(j));
+        State { u: if is_plain { u } else { ldexp(u, scaling.col(j)) }, w: 0.0 }
     };
-    if matches!(which, ProbeSample::Second) {
-        states.iter_mut().zip(exponents(system, scaling)).for_each(|(state, power)| state.u = ldexp(state.u, -power));
-    }
+    let mut states: Vec<State> = (0..system.dofs()).map(random).collect();
     system.prescribed().iter().for_each(|&(j, _)| states[j].u = 0.0);
     states
 }
@@ -139,12 +127,24 @@ fn exponents(system: LocalSystem, scaling: &Scaling) -> Vec<i32> {
     most.into_iter().map(Option::unwrap_or_default).collect()
 }
 
-/// Moves the DOFs of a block by a random vector of its null space, and lists those that do not move.
-pub fn enter(block: &Kept, which: ProbeSample, scaling: &Scaling, states: &mut [State], immobile: &mut Vec<u32>) {
+/// Random values of the masters and random motions of the blocks; the slaves of other rows are zero. The value of a master is divided by its
+/// largest coefficient, relative to the largest of the equation, so that a motion with small coefficients is not lost beside others.
+pub(crate) fn random_motions(system: LocalSystem, basis: &Basis, scaling: &Scaling, keys: &RandomKeys) -> Vec<f64> {
+    let mut states = start(system, scaling, keys);
+    states.iter_mut().zip(exponents(system, scaling)).for_each(|(state, power)| state.u = ldexp(state.u, -power));
+    basis.blocks.iter().for_each(|block| enter(block, scaling, &mut states, &mut Vec::new()));
+    basis.slaves().iter().for_each(|&slave| states[slave as usize].u = 0.0);
+    states.into_iter().map(|state| state.u).collect()
+}
+
+/// Moves the DOFs of a block by a random vector of its null space, and lists those that hardly move.
+fn enter(block: &Kept, scaling: &Scaling, states: &mut [State], slow: &mut Vec<(u32, bool)>) {
     let Vectors { moves, sample, .. } = &block.vectors;
-    for ((&j, &u), &w) in block.dofs.iter().zip(&moves[which as usize]).zip(sample) {
-        if u == 0.0 {
-            immobile.push(j);
+    let moves = &moves[0];
+    let largest = moves.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+    for ((&j, &u), &w) in block.dofs.iter().zip(moves).zip(sample) {
+        if u.abs() <= HARDLY * largest {
+            slow.push((j, u == 0.0));
         }
         states[j as usize] = State { u: ldexp(u, scaling.col(j as usize)), w: apart_from_zero(w) };
     }

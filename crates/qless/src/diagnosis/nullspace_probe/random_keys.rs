@@ -6,8 +6,8 @@ use crate::input::components::Labels;
 use crate::input::numbering::LocalSystem;
 use crate::presolve::eliminated::Eliminated;
 
-/// Seeds of the random masters and right-hand sides.
-pub(super) const SEEDS: [u64; 2] = [0x9e37_79b9, 0x85eb_ca6b];
+/// Seed of the random masters and right-hand sides.
+pub(super) const SEED: u64 = 0x9e37_79b9;
 
 /// Keys from which random numbers are drawn. A key is the place of a row or DOF within its component, so that the numbers do not depend on
 /// other components. If both lists are empty, a key is the place in the whole system. That is enough if the result does not depend on the
@@ -55,10 +55,10 @@ impl RandomKeys {
 }
 
 /// The product of `L^-1` and a random right-hand side, by step; L holds the factors of the elimination steps.
-pub fn random_step_sides(history: &History, keys: &RandomKeys, seed: u64) -> Vec<f64> {
+pub fn random_step_sides(history: &History, keys: &RandomKeys) -> Vec<f64> {
     let mut right: Vec<f64> = Vec::with_capacity(history.steps.len());
     for &row in &history.steps {
-        let own = signed(seed, keys.row(history.rows[row as usize]));
+        let own = signed(SEED, keys.row(history.rows[row as usize]));
         right.push(after(own, &history.factors[row as usize], &right));
     }
     right
@@ -82,7 +82,7 @@ fn after(own: f64, factors: &[(u32, f64)], steps: &[f64]) -> f64 {
 
 /// For every row of the core, a random right-hand side after elimination. The blocks compute their samples from it.
 pub(crate) fn random_sides(eliminated: &Eliminated, keys: &RandomKeys) -> Vec<f64> {
-    let own = |row: u32| signed(SEEDS[0], keys.row(eliminated.names[row as usize]));
+    let own = |row: u32| signed(SEED, keys.row(eliminated.names[row as usize]));
     let mut steps: Vec<f64> = Vec::with_capacity(eliminated.steps.len());
     for step in &eliminated.steps {
         steps.push(after(own(step.row), &eliminated.factors[step.row as usize], &steps));
