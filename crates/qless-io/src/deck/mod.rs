@@ -31,6 +31,7 @@ mod error;
 mod expression;
 mod faults;
 mod format;
+mod keyword;
 mod kinematics;
 mod limits;
 mod lsdyna;
