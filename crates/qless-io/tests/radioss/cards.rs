@@ -105,6 +105,28 @@ fn rbe3_is_a_weighted_mean() {
 }
 
 #[test]
+fn means_that_may_become_springs_are_named() {
+    let warnings = |form: u32, others: &str| {
+        let model = cube(&format!("/RBE3/4\n'a mean\n22 _ 1 0 {form}\n=1. _ 0 3\n{others}"));
+        let all = model.warnings().iter().filter(|warning| warning.line > 0);
+        all.map(|warning| format!("{}: {}", model.place_of(warning), warning.text)).collect::<Vec<_>>()
+    };
+    let link = "/RBE2/3\n'a link\n20 _ 0 3 0\n";
+    let held = "/GRNOD/NODE/9\n'one\n22\n/BCS/1\n'held\n001/000 0 9\n";
+    let what = "so that Radioss may replace it by springs (Iform)";
+    let line = first_line() + 2;
+    for (others, why) in [
+        (link.to_owned(), "averages slaves of an /RBE2 or /INTER/TYPE2"),
+        (body(22, 4, 4), "moves the main node of an /RBODY"),
+        (held.to_owned(), "moves a node that a /BCS holds"),
+    ] {
+        assert_eq!(warnings(0, &others), [format!("line {line}: /RBE3/4 {why}, {what}")]);
+        assert_eq!(warnings(2, &others), [""; 0]);
+    }
+    assert_eq!(warnings(1, ""), [""; 0]);
+}
+
+#[test]
 fn linear_equations_have_no_slave() {
     let mpc = "/MPC/4\n'equal\n1 1 0 =2.\n2 3 0 =-1.\n\n6 1 0 =0.\n";
     let model = cube(mpc);
@@ -164,8 +186,15 @@ fn nodes_apart_from_the_surface() {
     assert_eq!(far(1, "=2.5"), (6, 0, 0));
     // The thickness of shells, which is not read, may tie the node.
     assert_eq!((far(2, "=0."), far(3, "=.1")), ((3, 1, 1), (3, 0, 1)));
-    let beyond = cube(&format!("/NODE\n30 =1.1 =.5 =1.\n/GRNOD/NODE/9\n'beyond\n30\n{}", tie("9 5 0 4 0 0 0 0 =0.")));
-    assert_eq!((beyond.equations(), left_out(&beyond).len()), (0, 1));
+    // Beyond an edge, Radioss extrapolates; if Ignore is set, up to a quarter of the face.
+    let beyond = |ignore: u32, x: &str| {
+        let node = format!("/NODE\n30 ={x} =.5 =1.\n/GRNOD/NODE/9\n'beyond\n30\n");
+        let model = cube(&format!("{node}{}", tie(&format!("9 5 {ignore} 4 0 0 0 0 =0."))));
+        (equations(&model).first().cloned().unwrap_or_default(), left_out(&model).len() + model.warnings().len())
+    };
+    let row = "1 30:1 0.0625 5:1 -0.5625 6:1 -0.5625 7:1 0.0625 8:1";
+    assert_eq!([beyond(0, "1.125"), beyond(1, "1.125")], [(row.into(), 0), (row.into(), 0)]);
+    assert_eq!((beyond(0, "1.5").1, beyond(1, "1.5")), (0, (String::new(), 1)));
     for spotflag in [10, 20, 25, 27, 28, 30] {
         let other = cube(&tie(&format!("4 5 0 {spotflag} 0 0 0 0 =0.")));
         assert_eq!((other.equations(), left_out(&other).len()), (0, 1), "{spotflag}");
@@ -234,12 +263,12 @@ fn main_nodes_that_follow_stop_the_solver() {
     let model = cube(&format!("{}{}", body(5, 4, 4), link(22, 3)));
     assert_eq!(
         stops(&model),
-        [format!("line {line}: Radioss stops: the main node 5 of /RBODY/7 is a slave of an /RBE2")]
+        [format!("line {line}: Radioss stops: /RBODY/7 has the main node 5, a slave of an /RBE2")]
     );
     let both = cube(&format!("{}{}", link(22, 3), body(22, 4, 4)));
     assert_eq!(
         stops(&both),
-        [format!("line {line}: Radioss stops: the main node 22 of /RBE2/3 is the main node of an /RBODY")]
+        [format!("line {line}: Radioss stops: /RBE2/3 has the main node 22, also that of an /RBODY")]
     );
     let near = cube(&format!("/GRNOD/NODE/9\n'others\n20 21\n{}{}", link(11, 9), tie("4 5 0 4 0 0 0 0 =0.")));
     assert_eq!(stops(&near).len(), 1, "{:?}", stops(&near));

@@ -21,6 +21,7 @@
 //! | `syntax` | cards of the deck and of its included files |
 //! | `model` | nodes, groups, surfaces and skew frames |
 //! | `cards` | equations and prescribed values of each card that constrains |
+//! | `checks` | looks at all cards together |
 //! | `reader` | reads the cards in order |
 
 mod syntax {
@@ -34,6 +35,7 @@ mod model {
 }
 
 mod cards;
+mod checks;
 mod reader;
 
 use std::collections::HashMap;

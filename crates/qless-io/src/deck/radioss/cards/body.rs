@@ -40,7 +40,7 @@ pub fn rigid(lines: &[KeywordLine], mesh: &mut RadiossMesh) -> Result<GroupMeani
     }
     let rows = following(line, main, &nodes, Components::ALL, mesh)?;
     let moves = matches!(line.whole(8)?, 0..=2);
-    mesh.bodies.push(RadiossBody { main, slaves: nodes, moves });
+    mesh.bodies.push(RadiossBody { main, slaves: nodes, moves, place: mesh.card.clone() });
     Ok(GroupMeaning { is_linearised: true, rows, ..GroupMeaning::default() })
 }
 
@@ -53,8 +53,7 @@ pub fn rbe2(lines: &[KeywordLine], mesh: &mut RadiossMesh) -> Result<GroupMeanin
         return Err(Gap::Unread("has another rotation than its main node (Iflag)".into()));
     }
     let nodes = slaves(line, 3, main, mesh)?;
-    mesh.rbe2_mains.push((main, line.number));
-    mesh.rbe2_slaves.extend(&nodes);
+    mesh.links.push(RadiossBody { main, slaves: nodes.clone(), moves: false, place: mesh.card.clone() });
     let rows = match mesh.axes(line, 2)?.filter(|_| !is_without_axes(set)) {
         _ if nodes.is_empty() => Vec::new(),
         None => following(line, main, &nodes, set, mesh)?,

@@ -14,7 +14,7 @@ use crate::deck::kinematics::axes::BASIC_AXES;
 use crate::deck::kinematics::body::CouplingEquation;
 use crate::deck::kinematics::components::Components;
 use crate::deck::kinematics::mean::{MeanElement, WeightedNodes};
-use crate::deck::radioss::model::mesh::RadiossMesh;
+use crate::deck::radioss::model::mesh::{RadiossMean, RadiossMesh};
 
 /// The equations by which a node moves as the weighted mean of others.
 pub fn mean(lines: &[KeywordLine], mesh: &mut RadiossMesh) -> Result<GroupMeaning, Gap> {
@@ -38,8 +38,10 @@ pub fn mean(lines: &[KeywordLine], mesh: &mut RadiossMesh) -> Result<GroupMeanin
     if kind != 2 {
         normalise(&mut groups);
     }
+    let nodes = groups.iter().flat_map(|group| &group.nodes).copied().collect();
     let element = MeanElement { reference, components, groups, dependent: Vec::new() };
     let rows = element.equations(mesh).map_err(|problem| line.fault(problem))?;
+    mesh.means.push(RadiossMean { reference, nodes, is_strict: line.whole(4)? == 2, place: mesh.card.clone() });
     Ok(GroupMeaning { is_linearised: !rows.is_empty(), rows, ..GroupMeaning::default() })
 }
 

@@ -3,6 +3,7 @@
 pub mod body;
 pub mod coupling;
 pub mod prescribed;
+mod segment;
 pub mod tie;
 pub mod unread;
 

@@ -24,8 +24,8 @@ pub fn group(lines: &[KeywordLine], mesh: &mut RadiossMesh) -> Result<GroupMeani
     let skew = line.id(1)?;
     let other = nodes.iter().find(|node| *mesh.held_in.entry(**node).or_insert(skew) != skew);
     // Message 148 of the starter.
-    let why = |node: &u32| (line.number, format!("holds node {node}, which another /BCS holds in another skew frame"));
-    mesh.stops.extend(other.map(why));
+    let why = |node: &u32| format!("holds node {node}, which another /BCS holds in another skew frame");
+    mesh.stops.extend(other.map(|node| (mesh.card.clone(), why(node))));
     held(line, nodes, mesh, GroupMeaning::default())
 }
 

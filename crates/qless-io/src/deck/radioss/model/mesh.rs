@@ -26,13 +26,33 @@ enum SkewSource {
     Moving2([u32; 3]),
 }
 
-/// A rigid body with a main node.
+/// Where a card is: its number in the model, and its place in the deck.
+#[derive(Clone, Debug, Default)]
+pub struct CardPlace {
+    pub number: u32,
+    pub file: u32,
+    pub line: u32,
+    pub name: String,
+}
+
+/// A rigid body with a main node: `/RBODY` or `/RBE2`.
 #[derive(Clone, Debug)]
 pub struct RadiossBody {
     pub main: u32,
     pub slaves: Vec<u32>,
     /// Whether the solver moves the main node to the centre of mass.
     pub moves: bool,
+    pub place: CardPlace,
+}
+
+/// A weighted mean.
+#[derive(Clone, Debug)]
+pub struct RadiossMean {
+    pub reference: u32,
+    pub nodes: Vec<u32>,
+    /// Whether springs never replace it.
+    pub is_strict: bool,
+    pub place: CardPlace,
 }
 
 /// All definitions of a deck that constraints may refer to.
@@ -47,17 +67,18 @@ pub struct RadiossMesh {
     /// A card that may define nodes and groups, but is not read.
     pub unread: Option<String>,
     skews: FxHashMap<u32, SkewSource>,
-    /// The `/RBODY` cards that were read.
+    /// The card that is being read.
+    pub card: CardPlace,
+    /// The `/RBODY`, `/RBE2` and `/RBE3` cards that were read.
     pub bodies: Vec<RadiossBody>,
-    /// The main node of each `/RBE2`, and its line.
-    pub rbe2_mains: Vec<(u32, u32)>,
-    pub rbe2_slaves: FxHashSet<u32>,
+    pub links: Vec<RadiossBody>,
+    pub means: Vec<RadiossMean>,
     /// The slaves of `/INTER/TYPE2`.
     pub tied: FxHashSet<u32>,
     /// The skew frame in which `/BCS` holds a node.
     pub held_in: FxHashMap<u32, u32>,
-    /// Why the solver stops, each with a line of the card that was read last.
-    pub stops: Vec<(u32, String)>,
+    /// Why the solver stops, each with the card.
+    pub stops: Vec<(CardPlace, String)>,
 }
 
 /// The kind of an element, the number of its nodes that count, and the number of its lines.
