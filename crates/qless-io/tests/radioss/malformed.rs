@@ -56,6 +56,17 @@ fn faults_name_file_line_card_and_field() {
     assert!(deep.contains("the depth of groups exceeds the limit of 100"), "{deep}");
 }
 
+/// A few lines cannot demand much time or memory.
+#[test]
+fn groups_that_multiply_are_refused() {
+    let nodes: Vec<String> = (1..=5000).map(|node| format!("{node} =0. =0. =0.\n")).collect();
+    let text = format!("/NODE\n{}/GRNOD/GENE/1\n'all\n{}", nodes.concat(), "1 5000\n".repeat(10_000));
+    let message = refused(&format!("{text}/BCS/1\n'b\n111/000 0 1\n"));
+    let line = text.lines().count() + 3;
+    let what = "the number of members of groups exceeds the limit of 40000000; name fewer groups in groups";
+    assert_eq!(message, format!("deck_0000.rad:{line}: /BCS/1, field 3: {what}"));
+}
+
 /// Every beginning of a deck, and every deck with a byte that is another: read or refused with a line.
 #[test]
 fn damaged_decks_do_not_panic() {

@@ -56,7 +56,7 @@ pub fn centres(mesh: &RadiossMesh, draft: &mut KeywordDraft) {
     let nodes = moved.iter().flat_map(|body| body.slaves.iter().chain([&body.main])).copied().collect();
     let users = users(draft, &nodes);
     let is_used = |node: u32, components: RangeInclusive<u8>, own: u32| {
-        let others = |all: &FxHashSet<u32>| all.iter().any(|card| *card != own);
+        let others = |(first, is_shared): &DofUse| *is_shared || *first != own;
         components.into_iter().any(|component| users.get(&Dof { node, component }).is_some_and(others))
     };
     let matters = |body: &&RadiossBody| {
@@ -74,17 +74,21 @@ pub fn centres(mesh: &RadiossMesh, draft: &mut KeywordDraft) {
     draft.leave_out_values(&translations, "holds a main node that Radioss moves to an unknown centre of mass");
 }
 
-/// The cards that have equations or values with a DOF of these nodes.
-fn users(draft: &KeywordDraft, nodes: &FxHashSet<u32>) -> FxHashMap<Dof, FxHashSet<u32>> {
-    let mut users: FxHashMap<Dof, FxHashSet<u32>> = FxHashMap::default();
-    for equation in (0..draft.model.equations()).map(|i| draft.model.nth(i)) {
-        let dofs = equation.columns.iter().map(|&column| draft.model.dofs[column as usize]);
-        for dof in dofs.filter(|dof| nodes.contains(&dof.node)) {
-            users.entry(dof).or_default().insert(equation.origin.card);
+/// A card that uses a DOF, and whether another card uses it too.
+type DofUse = (u32, bool);
+
+/// Which cards have equations or values with the DOFs of these nodes.
+fn users(draft: &KeywordDraft, nodes: &FxHashSet<u32>) -> FxHashMap<Dof, DofUse> {
+    let mut users: FxHashMap<Dof, DofUse> = FxHashMap::default();
+    let mut note = |dof: Dof, card: u32| {
+        if nodes.contains(&dof.node) {
+            let (first, is_shared) = users.entry(dof).or_insert((card, false));
+            *is_shared |= *first != card;
         }
+    };
+    for equation in (0..draft.model.equations()).map(|i| draft.model.nth(i)) {
+        equation.columns.iter().for_each(|&column| note(draft.model.dofs[column as usize], equation.origin.card));
     }
-    for given in draft.prescribed.values().filter(|given| nodes.contains(&given.dof.node)) {
-        users.entry(given.dof).or_default().insert(given.origin.card);
-    }
+    draft.prescribed.values().for_each(|given| note(given.dof, given.origin.card));
     users
 }

@@ -82,8 +82,9 @@ impl GroupSource {
             Listed::Ranges(true) => 0..3,
             _ => 0..line.count(10),
         };
-        let numbers: Vec<i64> = fields.map(|field| line.whole(field)).collect::<Result<_, _>>()?;
         let is_fixed = matches!(self.listed, Listed::Segments | Listed::Ranges(_));
+        let number = |field| if is_fixed { line.id(field).map(i64::from) } else { line.whole(field) };
+        let numbers: Vec<i64> = fields.map(number).collect::<Result<_, _>>()?;
         self.numbers.extend(numbers.into_iter().filter(|number| is_fixed || *number != 0));
         Ok(())
     }
