@@ -56,7 +56,7 @@ pub fn centres(mesh: &RadiossMesh, draft: &mut KeywordDraft) {
     let nodes = moved.iter().flat_map(|body| body.slaves.iter().chain([&body.main])).copied().collect();
     let users = users(draft, &nodes);
     let is_used = |node: u32, components: RangeInclusive<u8>, own: u32| {
-        let others = |(first, is_shared): &DofUse| *is_shared || *first != own;
+        let others = |(first, is_shared): &SharedDofUse| *is_shared || *first != own;
         components.into_iter().any(|component| users.get(&Dof { node, component }).is_some_and(others))
     };
     let matters = |body: &&RadiossBody| {
@@ -75,11 +75,11 @@ pub fn centres(mesh: &RadiossMesh, draft: &mut KeywordDraft) {
 }
 
 /// A card that uses a DOF, and whether another card uses it too.
-type DofUse = (u32, bool);
+type SharedDofUse = (u32, bool);
 
 /// Which cards have equations or values with the DOFs of these nodes.
-fn users(draft: &KeywordDraft, nodes: &FxHashSet<u32>) -> FxHashMap<Dof, DofUse> {
-    let mut users: FxHashMap<Dof, DofUse> = FxHashMap::default();
+fn users(draft: &KeywordDraft, nodes: &FxHashSet<u32>) -> FxHashMap<Dof, SharedDofUse> {
+    let mut users: FxHashMap<Dof, SharedDofUse> = FxHashMap::default();
     let mut note = |dof: Dof, card: u32| {
         if nodes.contains(&dof.node) {
             let (first, is_shared) = users.entry(dof).or_insert((card, false));

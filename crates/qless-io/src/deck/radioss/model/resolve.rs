@@ -16,8 +16,8 @@ use crate::deck::limits::MEMBERS;
 /// Deepest nesting of groups.
 const DEPTH: usize = 100;
 
-/// A node has the number of the node, and a face those of its corners.
-type Members<T> = FxHashMap<u32, Rc<[T]>>;
+/// The members of the groups that are resolved, by the number of the group.
+type ResolvedMembers<T> = FxHashMap<u32, Rc<[T]>>;
 
 /// Resolves the groups that a field of a line names, directly or through other groups.
 struct GroupResolver<'a> {
@@ -26,8 +26,8 @@ struct GroupResolver<'a> {
     field: usize,
     /// The groups that are being resolved, the outermost first.
     open: Vec<(GroupKind, u32)>,
-    nodes: Members<u32>,
-    faces: Members<Vec<u32>>,
+    nodes: ResolvedMembers<u32>,
+    faces: ResolvedMembers<Vec<u32>>,
     /// The number of members that were gathered, each as often as it was.
     gathered: usize,
 }
@@ -54,7 +54,7 @@ impl RadiossMesh {
 
 impl<'a> GroupResolver<'a> {
     fn new(mesh: &'a RadiossMesh, line: &'a KeywordLine, field: usize) -> Self {
-        let (nodes, faces) = (Members::default(), Members::default());
+        let (nodes, faces) = (ResolvedMembers::default(), ResolvedMembers::default());
         Self { mesh, line, field, open: Vec::new(), nodes, faces, gathered: 0 }
     }
 
@@ -128,7 +128,7 @@ impl<'a> GroupResolver<'a> {
         }
         match nodes.iter().find(|node| !self.mesh.nodes.contains_key(node)) {
             Some(&node) => Err(self.mesh.undefined(self.line, self.field, "node", node)),
-            None => self.gather(nodes),
+            None => Ok(nodes),
         }
     }
 
