@@ -59,6 +59,11 @@ fn lsdyna_decks() {
 }
 
 #[test]
+fn radioss_decks() {
+    replay("radioss", checks::radioss);
+}
+
+#[test]
 fn named_relations() {
     replay("relations", checks::relations);
 }

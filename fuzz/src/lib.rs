@@ -3,4 +3,4 @@
 #[path = "../../tests/fuzz/mod.rs"]
 mod checks;
 
-pub use checks::{ansys, api, calculix, case, folder, lsdyna, nastran, relations};
+pub use checks::{ansys, api, calculix, case, folder, lsdyna, nastran, radioss, relations};

@@ -12,6 +12,11 @@ const CALCULIX: &str = "** a deck\n*NODE\n1,0.,0.,0.\n2,1.,0.,0.\n*EQUATION\n2\n
 const NASTRAN: &str =
     "SOL 101\nCEND\nMPC = 1\nBEGIN BULK\nGRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nMPC,1,1,1,1.,2,1,-1.\nENDDATA\n";
 const LS_DYNA: &str = "*KEYWORD\n*NODE\n1,0.,0.,0.\n2,1.,0.,0.\n*CONSTRAINED_LINEAR_GLOBAL\n4\n1,1,1.\n2,1,-1.\n*END\n";
+const RADIOSS: &str = "#RADIOSS STARTER\n/BEGIN\nlink\n      2019         0\n/NODE\n\
+                       \x20        1                  0.                  0.                  0.\n\
+                       \x20        2                  1.                  0.                  0.\n\
+                       /MPC/4\nequal\n         1         1         0                  1.\n\
+                       \x20        2         1         0                 -1.\n/END\n";
 const ANSYS: &str = "/PREP7\nN,1,0,0,0\nN,2,1,0,0\nCE,1,0,1,UX,1,2,UX,-1\n";
 
 fn packed(bytes: &[u8]) -> Vec<u8> {
@@ -34,6 +39,7 @@ fn the_first_cards_decide_and_not_the_ending() {
         (NASTRAN, Some("nastran")),
         (ANSYS, Some("ansys")),
         (LS_DYNA, Some("lsdyna")),
+        (RADIOSS, Some("radioss")),
         (&matrix, None),
         (relations, None),
     ] {
@@ -121,7 +127,7 @@ fn what_is_nothing_known_says_what_was_seen() {
         (&noise, "starts with the bytes"),
         (b"Dear all,\nhere is the deck.\n", "line 1 is `Dear all,`"),
         (b"** comments\n** alone\n", "line 1 is `** comments`"),
-        (b"#RADIOSS STARTER\n/BEGIN\n", "a Radioss deck"),
+        (b"#RADIOSS ENGINE\n/RUN/link/1\n", "an engine file of Radioss"),
         (&utf16(CALCULIX, *b"**", u16::to_le_bytes), "zero bytes, as in UTF-16"),
         (b"\xff\xfe*\0N", "ends within a character"),
         (&packed(CALCULIX.as_bytes())[..40], "gzip data, which are damaged"),
@@ -154,13 +160,15 @@ fn a_bomb_is_left_unread() {
 fn a_solver_reads_its_own_format() {
     let place = Place::new();
     place.file("a.inp", CALCULIX).file("a.bdf", NASTRAN).file("a.cdb", ANSYS).file("a.k", LS_DYNA).paper("case", 1.0);
+    place.file("a_0000.rad", RADIOSS);
     for (deck, solvers) in [
         ("a.inp", &["ccx", "abaqus"][..]),
         ("a.bdf", &["nastran", "mystran", "optistruct"]),
         ("a.cdb", &["ansys"]),
         ("a.k", &["lsdyna"]),
+        ("a_0000.rad", &["radioss"]),
     ] {
-        for solver in ["ccx", "abaqus", "nastran", "mystran", "optistruct", "ansys", "lsdyna"] {
+        for solver in ["ccx", "abaqus", "nastran", "mystran", "optistruct", "ansys", "lsdyna", "radioss"] {
             let run = place.run(&format!("check -q {deck} --format json --solver {solver}"));
             if solvers.contains(&solver) {
                 assert_eq!((run.code, run.json()["solver"]["name"].as_str()), (0, Some(solver)));
@@ -184,6 +192,7 @@ fn a_solver_reads_its_own_format() {
         ("check ties.rel --rhs b.txt", ["ties.rel", "relations have their own values; leave out --rhs"]),
         ("clean ties.rel -o out.rel", ["ties.rel", "for a matrix or relations use `qless reduce`"]),
         ("clean a.k -o b.k", ["a.k", "decks of LS-DYNA are read, but not written"]),
+        ("clean a_0000.rad -o b.rad", ["a_0000.rad", "decks of Radioss are read, but not written"]),
     ] {
         let run = place.run(arguments);
         assert!(run.code == 2 && parts.iter().all(|part| run.err.contains(part)), "{arguments}: {}", run.err);

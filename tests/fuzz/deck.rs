@@ -32,6 +32,11 @@ pub fn lsdyna(data: &[u8]) {
     deck(Format::LsDyna, "deck.k", data);
 }
 
+/// Reads a Radioss deck.
+pub fn radioss(data: &[u8]) {
+    deck(Format::Radioss, "deck_0000.rad", data);
+}
+
 fn deck(format: Format, name: &str, data: &[u8]) {
     let (main, others) = split(data);
     match read(format, name, main, &others) {

@@ -12,6 +12,6 @@ mod relations;
 
 pub use api::api;
 pub use case::case;
-pub use deck::{ansys, calculix, lsdyna, nastran};
+pub use deck::{ansys, calculix, lsdyna, nastran, radioss};
 pub use folder::folder;
 pub use relations::relations;

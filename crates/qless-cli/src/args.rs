@@ -194,8 +194,8 @@ pub struct DiffArgs {
 /// The model, and options of its analysis.
 #[derive(Args, Clone)]
 pub struct ModelArgs {
-    /// Deck (CalculiX, Abaqus, Nastran, ANSYS or LS-DYNA; its first cards decide), matrix C (.mtx), relations with names (.rel), or
-    /// folder with C.mtx and, if needed, b.txt, prescribed.txt, rows.txt, cols.txt. Text may be packed by gzip or be UTF-16; `-` is
+    /// Deck (CalculiX, Abaqus, Nastran, ANSYS, LS-DYNA or Radioss; its first cards decide), matrix C (.mtx), relations with names (.rel),
+    /// or folder with C.mtx and, if needed, b.txt, prescribed.txt, rows.txt, cols.txt. Text may be packed by gzip or be UTF-16; `-` is
     /// standard input
     pub input: PathBuf,
     /// Right-hand side b, one number per line [default: b.txt of a folder, else zeros]
@@ -233,8 +233,8 @@ pub struct ModelArgs {
     /// Skip presolve: the backend factors all equations
     #[arg(long, help_heading = FOR_COMPARISON)]
     pub no_presolve: bool,
-    /// Solver that will read the deck: ccx, abaqus, nastran, mystran, optistruct, ansys or lsdyna [default: ccx, nastran, ansys or
-    /// lsdyna, by the format of the deck]
+    /// Solver that will read the deck: ccx, abaqus, nastran, mystran, optistruct, ansys, lsdyna or radioss [default: ccx, nastran, ansys,
+    /// lsdyna or radioss, by the format of the deck]
     #[arg(long, value_name = "NAME")]
     pub solver: Option<Solver>,
     /// No progress display

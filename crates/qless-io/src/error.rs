@@ -44,8 +44,8 @@ pub enum ReadError {
     Deck(#[from] crate::deck::DeckError),
     /// No reader recognises the content.
     #[error(
-        "{}: cannot tell what this is: {seen}; decks of CalculiX and Abaqus (as .inp), Nastran (.bdf, .dat, .nas), ANSYS (.cdb) \
-         and LS-DYNA (.k) are read, Matrix Market files (.mtx), relations (.rel), and folders with a C.mtx",
+        "{}: cannot tell what this is: {seen}; decks of CalculiX and Abaqus (as .inp), Nastran (.bdf, .dat, .nas), ANSYS (.cdb), \
+         LS-DYNA (.k) and Radioss (_0000.rad) are read, Matrix Market files (.mtx), relations (.rel), and folders with a C.mtx",
         path.display()
     )]
     Unknown {

@@ -61,7 +61,7 @@ pub fn write(deck: &Deck, plan: &Plan) -> Result<Vec<u8>, CleanError> {
         Format::Calculix => calculix::write(deck, plan)?,
         Format::Nastran => (nastran::write(deck, plan)?, Renamed::default()),
         Format::Ansys => (ansys::write(deck, plan)?, Renamed::default()),
-        Format::LsDyna => return Err(CleanError::ReadOnly { format: Format::LsDyna }),
+        format @ (Format::LsDyna | Format::Radioss) => return Err(CleanError::ReadOnly { format }),
     };
     prove(deck, &text, &renamed)?;
     Ok(text)

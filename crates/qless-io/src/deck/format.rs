@@ -16,11 +16,13 @@ pub enum Format {
     Nastran,
     /// LS-DYNA keyword files, `.k`, `.key`, `.dyn`.
     LsDyna,
+    /// Radioss starter files, `.rad`.
+    Radioss,
 }
 
 impl Format {
     /// All formats.
-    pub const ALL: [Self; 4] = [Self::Calculix, Self::Ansys, Self::Nastran, Self::LsDyna];
+    pub const ALL: [Self; 5] = [Self::Calculix, Self::Ansys, Self::Nastran, Self::LsDyna, Self::Radioss];
 
     /// The format that the ending of a path stands for; a final `.gz` is ignored.
     pub fn from_path(path: &Path) -> Option<Self> {
@@ -32,6 +34,7 @@ impl Format {
             "cdb" => Some(Self::Ansys),
             "bdf" | "dat" | "nas" | "fem" => Some(Self::Nastran),
             "k" | "key" | "dyn" => Some(Self::LsDyna),
+            "rad" => Some(Self::Radioss),
             _ => None,
         }
     }
@@ -44,6 +47,7 @@ impl std::fmt::Display for Format {
             Self::Ansys => "ANSYS",
             Self::Nastran => "Nastran",
             Self::LsDyna => "LS-DYNA",
+            Self::Radioss => "Radioss",
         })
     }
 }
@@ -66,17 +70,27 @@ pub enum Solver {
     Ansys,
     /// LS-DYNA.
     LsDyna,
+    /// Radioss and OpenRadioss.
+    Radioss,
 }
 
 /// A solver name that is none of the known ones.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is not a known solver; use one of ccx, abaqus, nastran, mystran, optistruct, ansys, lsdyna")]
+#[error("`{0}` is not a known solver; use one of ccx, abaqus, nastran, mystran, optistruct, ansys, lsdyna, radioss")]
 pub struct UnknownSolver(String);
 
 impl Solver {
     /// All solvers.
-    pub const ALL: [Self; 7] =
-        [Self::Ccx, Self::Abaqus, Self::Nastran, Self::Mystran, Self::Optistruct, Self::Ansys, Self::LsDyna];
+    pub const ALL: [Self; 8] = [
+        Self::Ccx,
+        Self::Abaqus,
+        Self::Nastran,
+        Self::Mystran,
+        Self::Optistruct,
+        Self::Ansys,
+        Self::LsDyna,
+        Self::Radioss,
+    ];
 
     /// The solvers that read a format.
     pub fn that_read(format: Format) -> impl Iterator<Item = Self> {
@@ -90,6 +104,7 @@ impl Solver {
             Self::Nastran | Self::Mystran | Self::Optistruct => Format::Nastran,
             Self::Ansys => Format::Ansys,
             Self::LsDyna => Format::LsDyna,
+            Self::Radioss => Format::Radioss,
         }
     }
 
@@ -103,6 +118,7 @@ impl Solver {
             Self::Optistruct => "optistruct",
             Self::Ansys => "ansys",
             Self::LsDyna => "lsdyna",
+            Self::Radioss => "radioss",
         }
     }
 }
@@ -115,6 +131,7 @@ impl From<Format> for Solver {
             Format::Nastran => Self::Nastran,
             Format::Ansys => Self::Ansys,
             Format::LsDyna => Self::LsDyna,
+            Format::Radioss => Self::Radioss,
         }
     }
 }

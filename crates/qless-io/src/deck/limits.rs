@@ -6,7 +6,7 @@
 //! | includes | [`INCLUDE_DEPTH`], [`INCLUDES`] | time |
 //! | copies of Nastran cards | [`COPIES`], of all lines together | memory: about 120 bytes each |
 //! | `THRU` of Nastran | [`POINTS`] of a list | memory: 8 bytes each |
-//! | `GENERATE` of CalculiX and Abaqus | [`MEMBERS`] of a set | memory: 4 bytes each |
+//! | `GENERATE` of CalculiX and Abaqus, groups in groups of Radioss | [`MEMBERS`] of a set | memory: 4 bytes each |
 //! | `*DO` of ANSYS | [`REREAD`], with [`ITERATION`] for each iteration | time |
 //! | arrays of ANSYS | [`ELEMENTS`] | memory: 8 bytes each |
 //! | ranges of nodes of ANSYS | [`VALUES`] of all commands, [`HELD`] in all load steps | time, memory |

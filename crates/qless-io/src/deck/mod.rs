@@ -11,7 +11,8 @@
 //! | `faults`, `solver` | faults of equations; the reactions of solvers |
 //! | `plan` | changes that make the equations independent |
 //! | `calculix`, `nastran`, `ansys` | readers and writers of `.inp`; `.bdf`, `.dat`, `.nas`, `.fem`; `.cdb` |
-//! | `lsdyna` | reader of `.k`, `.key`, `.dyn` |
+//! | `keyword` | what the following two share |
+//! | `lsdyna`, `radioss` | readers of `.k`, `.key`, `.dyn`; `.rad` |
 //! | [`clean`] | writes a cleaned deck, and proves that it constrains the same |
 //!
 //! The first cards of a deck decide its format. If they do not decide, the requested solver does, or else the ending of the file name. Text
@@ -31,6 +32,7 @@ mod error;
 mod expression;
 mod faults;
 mod format;
+mod keyword;
 mod kinematics;
 mod limits;
 mod lsdyna;
@@ -38,6 +40,7 @@ mod model;
 mod nastran;
 mod paged_list;
 mod plan;
+mod radioss;
 mod solver;
 mod source;
 
@@ -113,11 +116,12 @@ impl Deck {
             Format::Nastran => nastran::positions(self),
             Format::Ansys => ansys::positions(self),
             Format::LsDyna => lsdyna::positions(self),
+            Format::Radioss => radioss::positions(self),
         }
     }
 
     /// The nodes of the set with this name, in capitals or not: `*NSET` in CalculiX and Abaqus, components in ANSYS, the number of
-    /// `*SET_NODE` in LS-DYNA. Nastran decks have no named sets.
+    /// `*SET_NODE` in LS-DYNA, the number of `/GRNOD` in Radioss. Nastran decks have no named sets.
     ///
     /// ```
     /// # let place = tempfile::tempdir()?;
@@ -132,6 +136,7 @@ impl Deck {
             Format::Calculix => calculix::node_set(self, name),
             Format::Ansys => ansys::node_sets(self).remove(&name.to_ascii_uppercase()),
             Format::LsDyna => lsdyna::node_set(self, name),
+            Format::Radioss => radioss::node_set(self, name),
             Format::Nastran => None,
         }
     }
@@ -142,6 +147,7 @@ impl Deck {
             Format::Calculix => calculix::node_set_names(self),
             Format::Ansys => ansys::node_sets(self).into_keys().collect(),
             Format::LsDyna => lsdyna::node_set_names(self),
+            Format::Radioss => radioss::node_set_names(self),
             Format::Nastran => Vec::new(),
         }
     }
@@ -172,5 +178,6 @@ fn read_model(sources: &mut Sources, others: &[Dof]) -> Result<Model, DeckError>
         Format::Ansys => ansys::read(sources, others),
         Format::Nastran => nastran::read(sources),
         Format::LsDyna => lsdyna::read(sources),
+        Format::Radioss => radioss::read(sources),
     }
 }

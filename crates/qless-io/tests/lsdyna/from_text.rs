@@ -1,10 +1,11 @@
-//! Decks from text without files, and what was read as short text.
+//! Decks from text without files.
 
 use std::io::{Error, ErrorKind};
 use std::path::{Path, PathBuf};
 
-use qless::{Analysis, ConstraintSystem, Options, analyse};
 use qless_io::deck::{Deck, DeckError, Model, Solver, parse};
+
+pub use super::as_text::{analysis, equations, left_out, prescribed, system};
 
 /// A unit cube of one solid (part 1), a plate of one shell (part 2) above it, and nodes 20 to 22 without elements.
 pub const CUBE: &str = "*KEYWORD
@@ -51,38 +52,4 @@ pub fn first_line() -> usize {
 /// The message for a deck that must be refused.
 pub fn refused(text: &str) -> String {
     parsed(text).map_or_else(|error| error.to_string(), |_| "accepted".into())
-}
-
-/// Equations as `1 1:1 -1 2:1`.
-pub fn equations(model: &Model) -> Vec<String> {
-    let text = |i| {
-        let equation = model.equation(i).expect("an equation");
-        let term = |(&j, a): (&u32, &f64)| format!("{a} {}", model.dof_name(model.dofs()[j as usize]));
-        equation.columns.iter().zip(equation.coefficients).map(term).collect::<Vec<_>>().join(" ")
-    };
-    (0..model.equations()).map(text).collect()
-}
-
-/// Prescribed values as `1:3=0`, with the time history if it has a name.
-pub fn prescribed(model: &Model) -> Vec<String> {
-    let histories: Vec<_> = model.histories().collect();
-    let history = |at: u32| histories[at as usize].map(|name| format!(" {name}")).unwrap_or_default();
-    let case = &model.cases()[0];
-    let text = |given: &qless_io::deck::Prescribed| {
-        format!("{}={}{}", model.dof_name(given.dof), given.value, history(given.history))
-    };
-    case.prescribed.iter().map(text).collect()
-}
-
-/// Constraints that were left out, with their lines.
-pub fn left_out(model: &Model) -> Vec<String> {
-    model.left_out().map(|warning| format!("{}: {}", model.place_of(warning), warning.text)).collect()
-}
-
-pub fn system(model: &Model) -> ConstraintSystem {
-    model.system(&model.cases()[0]).expect("a system")
-}
-
-pub fn analysis(model: &Model) -> Analysis {
-    analyse(&system(model), &Options::default()).expect("an analysis")
 }

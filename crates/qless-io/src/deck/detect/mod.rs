@@ -62,6 +62,7 @@ fn evidence(format: Format, line: &[u8]) -> Evidence {
         Format::Nastran => nastran(line),
         Format::Ansys => ansys(line),
         Format::LsDyna => lsdyna(line),
+        Format::Radioss => radioss(line),
     }
 }
 
@@ -89,6 +90,17 @@ fn lsdyna(line: &[u8]) -> Evidence {
     match is_known {
         true if words.next().is_some() || keyword.eq_ignore_ascii_case(b"KEYWORD") => Evidence::Certain,
         true => Evidence::Shared,
+        false => Evidence::None,
+    }
+}
+
+/// How strongly a line points to Radioss: `#RADIOSS STARTER`, or the first card `/BEGIN`. All other cards start as commands of ANSYS do.
+fn radioss(line: &[u8]) -> Evidence {
+    const START: &[u8] = b"#RADIOSS";
+    let is_start = line.get(..START.len()).is_some_and(|start| start.eq_ignore_ascii_case(START));
+    match is_start || line.strip_suffix(b"/").unwrap_or(line).eq_ignore_ascii_case(b"/BEGIN") {
+        true => Evidence::Certain,
+        false if line.starts_with(b"/") => Evidence::Shared,
         false => Evidence::None,
     }
 }
@@ -137,7 +149,7 @@ fn ansys(line: &[u8]) -> Evidence {
     let tail = tail.trim_ascii_start();
     let is_command = name.first().is_some_and(u8::is_ascii_alphabetic) && ends && name.len() <= 8;
     match mark {
-        _ if !is_command => Evidence::None,
+        _ if !is_command || radioss(line) == Evidence::Certain => Evidence::None,
         Some(b'/') => Evidence::Certain,
         Some(_) if words::is_in(words::APDL_STARRED, name) && is_end(tail) => Evidence::Certain,
         None if words::is_in(words::APDL, name) && tail.starts_with(b",") => Evidence::Certain,
@@ -196,6 +208,10 @@ mod tests {
             (
                 Format::LsDyna,
                 &["*KEYWORD\n*NODE\n", "$ comment\n*Keyword LONG=Y\n*NODE\n", "*NODE_SCALAR\n", "*SET_NODE_LIST\n 1\n"],
+            ),
+            (
+                Format::Radioss,
+                &["#RADIOSS STARTER\n/BEGIN\n", "#--1--|\n\n#Radioss Starter\n", "# a\n/BEGIN/\nrun\n", "/begin\n"],
             ),
         ] {
             texts.iter().for_each(|text| assert_eq!(detect(text), Some(format), "{text}"));

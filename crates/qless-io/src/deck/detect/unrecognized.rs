@@ -43,7 +43,7 @@ const STARTS: [(&[u8], &str); 15] = [
     (b"<!DOCTYPE html", "an HTML page"),
     (b"<html", "an HTML page"),
     (b"<?xml", "an XML file"),
-    (b"#RADIOSS", "a Radioss deck"),
+    (b"#RADIOSS ENGINE", "an engine file of Radioss, which has no model; name the starter file (_0000.rad)"),
     (b"$MeshFormat", "a mesh of Gmsh"),
     (b"# vtk", "a VTK file"),
     (b"ISO-10303-21", "a STEP file"),

@@ -60,6 +60,13 @@ impl MasterFace {
         length(minus(corner(0), corner(2))).min(length(minus(corner(1), corner(3))))
     }
 
+    /// The longer diagonal of a quadrilateral, or the longest side of a triangle.
+    pub fn longest_diagonal(&self) -> f64 {
+        let corner = |k: usize| self.points[k.min(self.points.len() - 1)];
+        let pairs = [(0, 2), (1, 3), (0, 1)].into_iter().filter(|pair| self.points.len() == 3 || *pair != (0, 1));
+        pairs.map(|(a, b)| length(minus(corner(a), corner(b)))).fold(0.0, f64::max)
+    }
+
     /// The normal at the centre of the face, by the right-hand rule about its corners. Its length is not 1.
     pub fn normal(&self) -> Vector {
         self.normal_at(self.shape.centre())

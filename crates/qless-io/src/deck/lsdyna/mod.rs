@@ -15,14 +15,13 @@
 //!
 //! | folder | holds, lowest layer first |
 //! | --- | --- |
-//! | `syntax` | fields of a line, cards and parameters |
+//! | `syntax` | cards and parameters |
 //! | `model` | nodes, elements, parts and sets; rigid bodies |
 //! | `cards` | equations and prescribed values of each card that constrains |
 //! | `reader` | reads the cards in order |
 
 mod syntax {
     pub mod card;
-    pub mod fields;
 }
 
 mod model {

@@ -1,14 +1,15 @@
 //! Builds the model: first the definitions, then the rigid bodies, then the constraints in the order of the deck.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use super::cards::{GroupMeaning, ReadGroup, body, coupling, prescribed, tie, unread};
+use super::cards::{ReadGroup, body, coupling, prescribed, tie, unread};
 use super::model::bodies::DynaDefinitions;
-use super::model::mesh::{DynaMesh, Gap, has_unknown_option, is_definition, is_part, part_lines};
+use super::model::mesh::{DynaMesh, has_unknown_option, is_definition, is_part, part_lines};
 use super::syntax::card::{DynaCard, DynaCards};
-use super::syntax::fields::{DynaLine, KeywordFault, Parameters};
-use crate::deck::{DeckError, Dof, LoadCase, Model, Origin, Prescribed, Problem, Sources};
+use crate::deck::keyword::draft::KeywordDraft;
+use crate::deck::keyword::line::{KeywordFault, KeywordLine, Parameters};
+use crate::deck::{DeckError, Dof, Model, Sources};
 
 /// Reads a deck.
 ///
@@ -20,7 +21,7 @@ pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
     reader.note(&cards)?;
     reader.add_bodies(&cards)?;
     for (file, line, text) in &cards.remarks {
-        reader.model.warn(*file, *line, text.as_str());
+        reader.draft.model.warn(*file, *line, text.as_str());
     }
     for (begin, range) in &cards.cases {
         if let Some(card) = cards.of_cases[range.clone()].iter().find(|card| matters(card)) {
@@ -28,7 +29,7 @@ pub fn read(sources: &mut Sources) -> Result<Model, DeckError> {
                 "*{} begins cards of one case, such as *{}, which this reader does not follow: left out",
                 begin.keyword, card.keyword
             );
-            reader.model.leave_out(begin.file, begin.line, text);
+            reader.draft.model.leave_out(begin.file, begin.line, text);
         }
     }
     cards.all.iter().try_for_each(|card| reader.card(card, &cards.parameters))?;
@@ -47,12 +48,8 @@ pub fn mesh(sources: &mut Sources) -> Result<DynaMesh, DeckError> {
 }
 
 struct LsDynaReader {
-    model: Model,
+    draft: KeywordDraft,
     all: DynaDefinitions,
-    prescribed: BTreeMap<Dof, Prescribed>,
-    clashes: Vec<Prescribed>,
-    /// Whether some equations hold for small rotations only.
-    is_linearised: bool,
 }
 
 /// How a card is read: the number of lines in a group, without its title, and the function that reads the group.
@@ -60,9 +57,6 @@ type CardReader = (usize, ReadGroup);
 
 /// Stands in place of a number of lines for cards that are one single group.
 const WHOLE: usize = usize::MAX;
-
-/// Ends the message about a group that is left out, if the rest of the card is left out too because its lines are not understood.
-const REST: &str = "left out, with the rest of the card";
 
 /// How a card with this keyword is read; `None` for other keywords. The name comes without `_ID` and `_TITLE`. For the lines of a `*PART`,
 /// see [`part_lines`].
@@ -99,12 +93,16 @@ fn matters(card: &DynaCard) -> bool {
 }
 
 /// Splits the lines of a card into groups of `count` lines, without the titles. Groups that consist of blank lines are left out.
-fn groups<'a>(card: &'a DynaCard, parameters: &'a Parameters, count: usize) -> impl Iterator<Item = Vec<DynaLine<'a>>> {
+fn groups<'a>(
+    card: &'a DynaCard,
+    parameters: &'a Parameters,
+    count: usize,
+) -> impl Iterator<Item = Vec<KeywordLine<'a>>> {
     let before = usize::from(["_ID", "_TITLE"].iter().any(|title| card.keyword.ends_with(title)));
     let mut lines = card.lines(parameters).peekable();
     let group = move || {
         lines.peek()?;
-        let titled: Vec<DynaLine> = lines.by_ref().take(count.saturating_add(before)).collect();
+        let titled: Vec<KeywordLine> = lines.by_ref().take(count.saturating_add(before)).collect();
         Some(titled.into_iter().skip(before).collect::<Vec<_>>())
     };
     std::iter::from_fn(group).filter(|group| group.iter().any(|line| !line.is_blank()))
@@ -112,13 +110,11 @@ fn groups<'a>(card: &'a DynaCard, parameters: &'a Parameters, count: usize) -> i
 
 impl LsDynaReader {
     fn new(files: Vec<PathBuf>) -> Self {
-        let (prescribed, clashes) = (BTreeMap::new(), Vec::new());
-        Self { model: Model::new(files), all: DynaDefinitions::default(), prescribed, clashes, is_linearised: false }
+        Self { draft: KeywordDraft::new(files), all: DynaDefinitions::default() }
     }
 
-    fn error(&self, card: &DynaCard, KeywordFault { line, field, problem }: KeywordFault) -> DeckError {
-        let path = self.model.files[card.file as usize].clone();
-        DeckError { path, line: line as usize, card: format!("*{}", card.keyword), field, problem }
+    fn error(&self, card: &DynaCard, fault: KeywordFault) -> DeckError {
+        self.draft.error(&format!("*{}", card.keyword), card.file, fault)
     }
 
     fn note(&mut self, cards: &DynaCards) -> Result<(), DeckError> {
@@ -130,15 +126,15 @@ impl LsDynaReader {
 
     /// Adds all rigid bodies before other cards are read, because cards may name a body before its definition.
     fn add_bodies(&mut self, cards: &DynaCards) -> Result<(), DeckError> {
-        let path = self.model.files[0].clone();
+        let path = self.draft.model.files[0].clone();
         let whole = |problem| DeckError { path, line: 0, card: "*PART".into(), field: None, problem };
-        self.all.add_parts(&mut self.model).map_err(whole)?;
+        self.all.add_parts(&mut self.draft.model).map_err(whole)?;
         for card in cards.all.iter().filter(|card| card.keyword.starts_with("CONSTRAINED_NODAL_RIGID_BODY")) {
             let (name, _) = card.without(["_TITLE"]);
             let (has_inertia, is_held) = (name.contains("_INERTIA"), name.contains("_SPC"));
             for lines in groups(card, &cards.parameters, card_reader(name).map_or(WHOLE, |(count, _)| count)) {
                 let inertia = lines.get(1 + usize::from(is_held)).filter(|_| has_inertia);
-                let added = body::define(&lines[0], inertia, &mut self.all, &mut self.model);
+                let added = body::define(&lines[0], inertia, &mut self.all, &mut self.draft.model);
                 added.map_err(|fault| self.error(card, fault))?;
             }
         }
@@ -151,7 +147,7 @@ impl LsDynaReader {
             if has_unknown_option(card) && !name.starts_with("PART_MODES") {
                 let text =
                     format!("*{} may define rigid parts in a way that is not understood: left out", card.keyword);
-                self.model.leave_out(card.file, card.line, text);
+                self.draft.model.leave_out(card.file, card.line, text);
             }
             let parts = part_lines(card, parameters).map_err(|fault| self.error(card, fault))?;
             parts.into_iter().try_for_each(|(line, _)| self.group(card, &[line], body::part).map(|_| ()))?;
@@ -163,99 +159,39 @@ impl LsDynaReader {
                 }
             }
         } else if let Some(why) = unread::reason(&card.keyword) {
-            self.model.leave_out(card.file, card.line, format!("*{} {why}: left out", card.keyword));
+            self.draft.model.leave_out(card.file, card.line, format!("*{} {why}: left out", card.keyword));
         }
         Ok(())
     }
 
-    /// Reads a group of lines. Leaves it out if it needs something that this reader does not read. Returns whether more groups of the card
-    /// may follow.
-    fn group(&mut self, card: &DynaCard, lines: &[DynaLine], read: ReadGroup) -> Result<bool, DeckError> {
-        let [first, ..] = lines else { return Ok(true) };
-        let (why, which) = match read(lines, &mut self.all) {
-            Ok(mut made) => {
-                let left_out = made.left_out.take();
-                self.add(card, lines, made);
-                let Some(why) = left_out else { return Ok(true) };
-                (why, "this is left out")
-            }
-            Err(Gap::Fault(KeywordFault { problem: Problem::NotFollowed { what }, .. })) => {
-                (format!("needs {what}, which this reader does not follow"), "left out")
-            }
-            Err(Gap::Fault(fault)) => return Err(self.error(card, fault)),
-            Err(Gap::Unread(why)) => (why, "left out"),
-            Err(Gap::UnreadFromHere(why)) => (why, REST),
-        };
-        self.model.leave_out(card.file, first.number, format!("*{} {why}: {which}", card.keyword));
-        Ok(which != REST)
-    }
-
-    /// Adds the equations and the prescribed values of a group to the model.
-    fn add(&mut self, card: &DynaCard, lines: &[DynaLine], made: GroupMeaning) {
-        let (line, last) = (lines[0].number, lines.last().map_or(0, |line| line.number));
-        self.is_linearised |= made.is_linearised;
-        if let Some(text) = made.warning {
-            self.model.warn(card.file, line, format!("*{} {text}", card.keyword));
-        }
-        if made.rows.is_empty() && made.held.is_empty() {
-            return;
-        }
-        let number = made.number.map_or_else(String::new, |number| format!(" {number}"));
-        let number = self.model.card(format!("*{}{number}", card.keyword), card.file, line);
-        let origin = Origin { card: number, line, lines: last - line + 1 };
-        made.rows.into_iter().for_each(|row| self.model.push(row.terms, 0.0, origin));
-        for held in made.held {
-            let history = held.history.map_or(0, |name| self.model.history(&name));
-            let origin = Origin { card: number, line: held.line, lines: 1 };
-            let given = Prescribed { dof: held.dof, value: held.value, history, origin };
-            let first = *self.prescribed.entry(held.dof).or_insert(given);
-            if (first.value, first.history) != (given.value, given.history) {
-                self.clashes.push(given);
-            }
-        }
+    /// Reads a group of lines. Returns whether more groups of the card may follow.
+    fn group(&mut self, card: &DynaCard, lines: &[KeywordLine], read: ReadGroup) -> Result<bool, DeckError> {
+        let made = read(lines, &mut self.all);
+        self.draft.group(&format!("*{}", card.keyword), card.file, lines, made)
     }
 
     /// Leaves out translations that are prescribed at a centre of mass if the deck does not give the centre and the body can rotate, and
     /// what is prescribed for a body that is merged into another, unless the other has the same rotation: its values hold for both.
     fn check_centres(&mut self) {
-        let given = |dof| self.prescribed.get(&dof).map(|given| (given.value, given.history));
-        let is_fixed = |dof| given(dof).is_some_and(|(value, _)| value == 0.0);
-        let turns = |node: &u32| (4..=6).any(|component| !is_fixed(Dof { node: *node, component }));
+        let given = |dof| self.draft.prescribed.get(&dof).map(|given| (given.value, given.history));
+        let turns = |node: &u32| (4..=6).any(|component| !self.draft.is_fixed(Dof { node: *node, component }));
         let free: BTreeSet<u32> = self.all.without_centre().into_iter().filter(turns).collect();
         let is_other = |dof: &Dof| {
             let lead = self.all.merged.get(&dof.node);
             lead.is_some_and(|&node| dof.component <= 3 || given(Dof { node, ..*dof }) != given(*dof))
         };
-        let others: BTreeSet<Dof> = self.prescribed.keys().filter(|dof| is_other(dof)).copied().collect();
+        let others: BTreeSet<Dof> = self.draft.prescribed.keys().filter(|dof| is_other(dof)).copied().collect();
         let is_uncertain = |dof: &&Dof| dof.component <= 3 && free.contains(&dof.node) && !others.contains(*dof);
-        let uncertain = self.prescribed.keys().filter(is_uncertain).copied().collect();
-        self.leave_out_values(&others, "holds a body that is merged into another, whose values hold for both");
-        self.leave_out_values(
+        let uncertain = self.draft.prescribed.keys().filter(is_uncertain).copied().collect();
+        self.draft.leave_out_values(&others, "holds a body that is merged into another, whose values hold for both");
+        self.draft.leave_out_values(
             &uncertain,
             "holds a centre of mass that the deck does not give, of a body that can rotate",
         );
     }
 
-    /// Leaves out the prescribed values of these DOFs. The text `why` is a clause.
-    fn leave_out_values(&mut self, dofs: &BTreeSet<Dof>, why: &str) {
-        let left_out = dofs.iter().filter_map(|dof| self.prescribed.remove(dof));
-        let origins: BTreeSet<(u32, u32)> = left_out.map(|given| (given.origin.card, given.origin.line)).collect();
-        self.clashes.retain(|given| !dofs.contains(&given.dof));
-        for (card, line) in origins {
-            let card = self.model.cards.nth(card);
-            self.model.leave_out(card.file, line, format!("{} {why}: left out", card.name));
-        }
-    }
-
     fn finish(mut self) -> Model {
         self.check_centres();
-        if self.is_linearised {
-            self.model.warn(0, 0, "rigid bodies and interpolations are linearised at the reference configuration");
-        }
-        let prescribed = self.prescribed.into_values().collect();
-        let case = LoadCase { name: "model".into(), prescribed, clashes: self.clashes, ..LoadCase::default() };
-        self.model.cases.push(case);
-        self.model.shrink();
-        self.model
+        self.draft.finish("rigid bodies and interpolations are linearised at the reference configuration")
     }
 }

@@ -187,7 +187,7 @@ pub(super) fn plan_with(deck: &Deck, options: PlanOptions) -> Result<Plan, Clean
         Format::Calculix => steps::plan(deck, options, steps::LateRemoval::Possible)?,
         Format::Ansys => steps::plan(deck, options, steps::LateRemoval::Impossible)?,
         Format::Nastran => subcases::plan(deck, options)?,
-        Format::LsDyna => return Err(CleanError::ReadOnly { format: Format::LsDyna }),
+        format @ (Format::LsDyna | Format::Radioss) => return Err(CleanError::ReadOnly { format }),
     };
     check_removable(model, &plan.removed)?;
     Ok(plan)

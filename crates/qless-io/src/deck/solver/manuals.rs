@@ -12,6 +12,8 @@
 //!   further: they chain `CERIG`, and prescribe a DOF of a coupled set. Both count as accepted.
 //! - LS-DYNA (Keyword User's Manual, `*CONSTRAINED_INTERPOLATION`; modelling guidelines of the vendor): a dependent node must not be
 //!   constrained elsewhere. Supports of nodes of rigid bodies become constraints of the body.
+//! - Radioss (source of OpenRadioss, `kinset.F` and `kinchk.F` of the starter): it warns of kinematic conditions that may be incompatible, and
+//!   continues.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 

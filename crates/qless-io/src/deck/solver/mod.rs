@@ -39,12 +39,13 @@ impl Solver {
     /// Predicts what the solver does about two values for one DOF in one step. The first claim is the first value.
     ///
     /// CalculiX and ANSYS take the last value. The other solvers are reported to stop: Nastran and MYSTRAN if the
-    /// values differ, Abaqus if both cards are in one step. What LS-DYNA does is not known.
+    /// values differ, Abaqus if both cards are in one step. What LS-DYNA does is not known. Radioss warns
+    /// that the conditions may be incompatible, and continues.
     pub fn prescribed_twice(self) -> Outcome {
         match self {
             Self::Ccx | Self::Ansys => Outcome::IgnoresFirst,
             Self::Abaqus | Self::Nastran | Self::Mystran | Self::Optistruct => Outcome::Refused,
-            Self::LsDyna => Outcome::Unsound,
+            Self::LsDyna | Self::Radioss => Outcome::Unsound,
         }
     }
 }
@@ -104,7 +105,7 @@ impl<'a> Profile<'a> {
     pub fn circle(&self, equations: &[usize]) -> Outcome {
         match self.solver {
             Solver::Ansys => self.ansys(equations),
-            Solver::LsDyna => Outcome::Unsound,
+            Solver::LsDyna | Solver::Radioss => Outcome::Unsound,
             Solver::Ccx if keeps_slaves(self.model, equations) == Some(true) => Outcome::Unsound,
             _ => Outcome::Refused,
         }
@@ -129,6 +130,7 @@ impl<'a> Profile<'a> {
             Solver::Ansys if kind == CardKind::CoupledSet => self.coupled(equation),
             Solver::Ansys => self.ansys(&[equation]),
             Solver::LsDyna => lsdyna_prescribed(kind),
+            Solver::Radioss => Outcome::Unsound,
         }
     }
 
@@ -140,7 +142,7 @@ impl<'a> Profile<'a> {
             Solver::Nastran | Solver::Mystran => Outcome::Refused,
             Solver::Optistruct => optistruct(&kinds, self.model),
             Solver::Ansys => self.ansys(&[first, second]),
-            Solver::LsDyna => Outcome::Unsound,
+            Solver::LsDyna | Solver::Radioss => Outcome::Unsound,
         }
     }
 
@@ -155,7 +157,7 @@ impl<'a> Profile<'a> {
         match self.solver {
             Solver::Ansys => self.ansys(&[equation]),
             Solver::Ccx if count < 2 => Outcome::Unsound,
-            Solver::LsDyna => Outcome::Unsound,
+            Solver::LsDyna | Solver::Radioss => Outcome::Unsound,
             _ if own == 0.0 => Outcome::Refused,
             _ => Outcome::Unsound,
         }

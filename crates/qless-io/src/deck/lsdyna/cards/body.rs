@@ -10,23 +10,24 @@
 //! *MAT_RIGID                       MID; CMO, CON1, CON2
 //! ```
 
-use super::{GroupMeaning, coded};
+use super::coded;
+use crate::deck::keyword::group::{Gap, GroupMeaning};
+use crate::deck::keyword::line::{KeywordFault, KeywordLine};
 use crate::deck::kinematics::components::Components;
 use crate::deck::kinematics::rigid::RigidElement;
 use crate::deck::lsdyna::model::bodies::DynaDefinitions;
-use crate::deck::lsdyna::model::mesh::{Gap, SetKind};
-use crate::deck::lsdyna::syntax::fields::{DynaLine, KeywordFault};
+use crate::deck::lsdyna::model::mesh::SetKind;
 use crate::deck::{Model, Problem};
 
 /// The field that names the node set of a nodal rigid body: NSID, or PID if NSID is 0.
-fn set_field(line: &DynaLine) -> Result<usize, KeywordFault> {
+fn set_field(line: &KeywordLine) -> Result<usize, KeywordFault> {
     Ok(if line.id(2)? == 0 { 0 } else { 2 })
 }
 
 /// Adds a nodal rigid body to the definitions. `inertia` is the line that gives its centre of mass.
 pub fn define(
-    line: &DynaLine,
-    inertia: Option<&DynaLine>,
+    line: &KeywordLine,
+    inertia: Option<&KeywordLine>,
     all: &mut DynaDefinitions,
     model: &mut Model,
 ) -> Result<(), KeywordFault> {
@@ -36,7 +37,7 @@ pub fn define(
 }
 
 /// The equations of the nodes of a nodal rigid body.
-pub fn nodal(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
+pub fn nodal(lines: &[KeywordLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
     let line = &lines[0];
     let mut nodes = all.mesh.node_list(true, line, set_field(line)?)?;
     if line.whole(5)? != 0 || line.whole(6)? != 0 {
@@ -51,7 +52,7 @@ pub fn nodal(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeani
 }
 
 /// Reads a [`nodal`] rigid body with the option `_SPC`: its second line holds components of the centre of mass at zero.
-pub fn nodal_held(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
+pub fn nodal_held(lines: &[KeywordLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
     let made = nodal(lines, all)?;
     let Some(line) = lines.get(1) else { return Ok(made) };
     match held_at_centre(line) {
@@ -62,7 +63,7 @@ pub fn nodal_held(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<Group
 }
 
 /// The components of a centre of mass that a line `CMO, CON1, CON2` holds at zero.
-fn held_at_centre(line: &DynaLine) -> Result<Components, Gap> {
+fn held_at_centre(line: &KeywordLine) -> Result<Components, Gap> {
     match line.number(0)?.unwrap_or(0.0) {
         0.0 => Ok(Components::default()),
         1.0 => Ok(coded(line, 1, 1)?.or(coded(line, 2, 4)?)),
@@ -71,7 +72,7 @@ fn held_at_centre(line: &DynaLine) -> Result<Components, Gap> {
 }
 
 /// Equations of a node, or of a set of nodes, that is added to a body.
-pub fn extra<const IS_SET: bool>(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
+pub fn extra<const IS_SET: bool>(lines: &[KeywordLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
     let line = &lines[0];
     let (body, nodes) = (all.named(line, 0)?, all.mesh.node_list(IS_SET, line, 1)?);
     if line.whole(2)? != 1 {
@@ -81,7 +82,7 @@ pub fn extra<const IS_SET: bool>(lines: &[DynaLine], all: &mut DynaDefinitions) 
 }
 
 /// The equations that merge a second rigid body into the first.
-pub fn merged(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
+pub fn merged(lines: &[KeywordLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
     let line = &lines[0];
     let (lead, constrained) = (all.named(line, 0)?, all.named(line, 1)?);
     if lead.node == constrained.node {
@@ -97,15 +98,15 @@ pub fn merged(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMean
 }
 
 /// The equations of the nodes of a part, if the material of the part is rigid.
-pub fn part(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
+pub fn part(lines: &[KeywordLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
     let part = lines[0].id(0)?;
     let is_rigid = all.mesh.parts.get(&part).is_some_and(|part| all.mesh.rigid.contains(&part.material));
     let Some(body) = all.body(part).filter(|_| is_rigid) else { return Ok(GroupMeaning::default()) };
-    GroupMeaning::of_body(&lines[0], all.follow(body, all.mesh.nodes_of(part)?))
+    GroupMeaning::of_body(&lines[0], all.follow(body, all.mesh.elements.nodes_of(&[part])?))
 }
 
 /// The components that a rigid material holds at zero at the centres of mass of its parts.
-pub fn material(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
+pub fn material(lines: &[KeywordLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
     let [first, second, ..] = lines else { return Ok(GroupMeaning::default()) };
     let (material, held) = (first.id(0)?, held_at_centre(second)?);
     let own = all.mesh.parts.iter().filter(|(_, part)| part.material == material);

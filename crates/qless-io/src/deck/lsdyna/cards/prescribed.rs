@@ -11,14 +11,14 @@
 //! A curve (LCID) is a time history. The reader does not evaluate the curve: the scale factor SF counts as the value at the end. So motions
 //! with the same curve are compared by their factors, and motions with different curves count as independent.
 
-use super::{GroupMeaning, HeldDof, coded, dofs, is_without_axes};
+use super::coded;
+use crate::deck::keyword::group::{Gap, GroupMeaning, HeldDof, dofs, is_without_axes};
+use crate::deck::keyword::line::{FieldLayout, KeywordLine};
 use crate::deck::kinematics::components::Components;
 use crate::deck::lsdyna::model::bodies::DynaDefinitions;
-use crate::deck::lsdyna::model::mesh::Gap;
-use crate::deck::lsdyna::syntax::fields::{DynaLine, FieldLayout};
 
 /// The components of a node that the fields TC and RC of its `*NODE` line hold at zero.
-pub fn node(lines: &[DynaLine], _: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
+pub fn node(lines: &[KeywordLine], _: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
     let line = lines[0].laid_out(FieldLayout::Node);
     if line.field(4).is_empty() && line.field(5).is_empty() {
         return Ok(GroupMeaning::default());
@@ -28,7 +28,7 @@ pub fn node(lines: &[DynaLine], _: &mut DynaDefinitions) -> Result<GroupMeaning,
 }
 
 /// Components that a support of a node or of a node set holds at zero.
-pub fn support<const IS_SET: bool>(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
+pub fn support<const IS_SET: bool>(lines: &[KeywordLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
     let nodes = all.mesh.node_list(IS_SET, &lines[0], 0)?;
     if let Some(times) = lines.get(1) {
         refuse_times(times, 0, 1)?;
@@ -38,7 +38,7 @@ pub fn support<const IS_SET: bool>(lines: &[DynaLine], all: &mut DynaDefinitions
 
 /// The components that a support holds. If it holds all three translations or all three rotations, local directions mean the same as global
 /// ones.
-fn supported(line: &DynaLine) -> Result<Components, Gap> {
+fn supported(line: &KeywordLine) -> Result<Components, Gap> {
     let mut held = Components::default();
     for component in 1..=6 {
         if line.whole(usize::from(component) + 1)? != 0 {
@@ -52,7 +52,7 @@ fn supported(line: &DynaLine) -> Result<Components, Gap> {
 }
 
 /// Fails if a value holds only after a birth time or before a death time, because all cards hold at all times here.
-fn refuse_times(line: &DynaLine, birth: usize, death: usize) -> Result<(), Gap> {
+fn refuse_times(line: &KeywordLine, birth: usize, death: usize) -> Result<(), Gap> {
     // Defaults of the death time of supports and motions are 1e20 and 1e28; 0 stands for the default.
     let (birth, death) = (line.number(birth)?.unwrap_or(0.0), line.number(death)?.unwrap_or(0.0));
     if birth > 0.0 || death > 0.0 && death < 1e20 {
@@ -63,16 +63,16 @@ fn refuse_times(line: &DynaLine, birth: usize, death: usize) -> Result<(), Gap> 
 }
 
 /// Motion of a node or of a node set.
-pub fn node_motion<const IS_SET: bool>(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
+pub fn node_motion<const IS_SET: bool>(lines: &[KeywordLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
     motion(&lines[0], all.mesh.node_list(IS_SET, &lines[0], 0)?)
 }
 
 /// The motion that the card prescribes for the centre of mass of a rigid body.
-pub fn body_motion(lines: &[DynaLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
+pub fn body_motion(lines: &[KeywordLine], all: &mut DynaDefinitions) -> Result<GroupMeaning, Gap> {
     motion(&lines[0], vec![all.named(&lines[0], 0)?.node])
 }
 
-fn motion(line: &DynaLine, nodes: Vec<u32>) -> Result<GroupMeaning, Gap> {
+fn motion(line: &KeywordLine, nodes: Vec<u32>) -> Result<GroupMeaning, Gap> {
     let quantity = match line.whole(2)? {
         0 => "velocity",
         1 => "acceleration",

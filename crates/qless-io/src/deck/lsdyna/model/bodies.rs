@@ -8,11 +8,11 @@
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::mesh::DynaMesh;
+use crate::deck::keyword::line::{KeywordFault, KeywordLine};
 use crate::deck::kinematics::body::{CouplingEquation, centre_and_size};
 use crate::deck::kinematics::components::Components;
 use crate::deck::kinematics::rigid::RigidElement;
 use crate::deck::kinematics::vector::Vector;
-use crate::deck::lsdyna::syntax::fields::{DynaLine, KeywordFault};
 use crate::deck::{Dof, Model, Problem};
 
 /// A rigid body, given by the node at its reference point.
@@ -58,7 +58,7 @@ impl DynaDefinitions {
         let mut parts: Vec<(u32, Option<Vector>)> = rigid.map(|(&id, part)| (id, part.centre)).collect();
         parts.sort_unstable_by_key(|(id, _)| *id);
         parts.into_iter().try_for_each(|(id, centre)| {
-            let nodes = self.mesh.nodes_of(id).unwrap_or_default();
+            let nodes = self.mesh.elements.nodes_of(&[id]).unwrap_or_default();
             self.add_body(id, &nodes, centre, model)
         })
     }
@@ -69,7 +69,7 @@ impl DynaDefinitions {
     }
 
     /// The body that a field of a line names by its part.
-    pub fn named(&self, line: &DynaLine, field: usize) -> Result<RigidReference, KeywordFault> {
+    pub fn named(&self, line: &KeywordLine, field: usize) -> Result<RigidReference, KeywordFault> {
         let part = line.id(field)?;
         let undefined = || line.fault_at(field, Problem::Undefined { what: "rigid body", name: part.to_string() });
         self.body(part).ok_or_else(undefined)
@@ -92,7 +92,7 @@ impl DynaDefinitions {
         if nodes.is_empty() {
             return Ok(Vec::new());
         }
-        let own = |node| if self.mesh.rotates(node) { Components::ALL } else { Components::TRANSLATIONS };
+        let own = |node| if self.mesh.elements.rotates(node) { Components::ALL } else { Components::TRANSLATIONS };
         let dependent = nodes.into_iter().map(|node| (node, own(node))).collect();
         RigidElement { independent: vec![(body.node, Components::ALL)], dependent }.equations(&self.mesh)
     }

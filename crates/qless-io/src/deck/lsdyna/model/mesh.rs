@@ -3,11 +3,13 @@
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::deck::Problem;
+use crate::deck::keyword::elements::{ElementKind, ElementStore, KeywordElement};
+use crate::deck::keyword::group::Gap;
+use crate::deck::keyword::line::{FieldLayout, KeywordFault, KeywordLine, Parameters};
 use crate::deck::kinematics::axes::BASIC_AXES;
 use crate::deck::kinematics::body::{Pose, Poses};
 use crate::deck::kinematics::vector::Vector;
 use crate::deck::lsdyna::syntax::card::DynaCard;
-use crate::deck::lsdyna::syntax::fields::{DynaLine, FieldLayout, KeywordFault, Parameters};
 
 /// A part: the number of its material, and its centre of mass if `*PART_INERTIA` gives it.
 #[derive(Clone, Copy, Debug)]
@@ -28,36 +30,6 @@ pub enum SetKind {
 /// The members of a set. If this reader does not read the set, the error holds the keyword of its card.
 type NamedMembers = Result<Vec<u32>, String>;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ElementKind {
-    Solid,
-    Shell,
-    Beam,
-}
-
-/// An element.
-#[derive(Clone, Debug)]
-pub struct DynaElement {
-    pub kind: ElementKind,
-    pub nodes: Vec<u32>,
-}
-
-/// Why a constraint cannot be made from its card and the definitions.
-pub enum Gap {
-    /// The deck is wrong at this place.
-    Fault(KeywordFault),
-    /// The constraint needs a definition, or its card has an option, that this reader does not read. The text is a clause for a message.
-    Unread(String),
-    /// As [`Gap::Unread`]. In addition, the following lines of the card are not understood.
-    UnreadFromHere(String),
-}
-
-impl From<KeywordFault> for Gap {
-    fn from(fault: KeywordFault) -> Self {
-        Self::Fault(fault)
-    }
-}
-
 /// All definitions of a deck that constraints may refer to.
 #[derive(Default)]
 pub struct DynaMesh {
@@ -66,11 +38,7 @@ pub struct DynaMesh {
     /// Numbers of the materials that make a part rigid.
     pub rigid: FxHashSet<u32>,
     pub sets: FxHashMap<(SetKind, u32), NamedMembers>,
-    elements: FxHashMap<u32, Vec<DynaElement>>,
-    /// A keyword that defines elements but is not read; then the nodes of parts are not known.
-    unread_elements: Option<String>,
-    of_solids: FxHashSet<u32>,
-    of_others: FxHashSet<u32>,
+    pub elements: ElementStore,
     /// The highest number of a node so far.
     highest: u32,
 }
@@ -86,7 +54,7 @@ impl DynaMesh {
                 self.rigid.extend(lines.next().map(|line| line.id(0)).transpose()?);
                 Ok(())
             }
-            _ if name.starts_with("ELEMENT_") => self.elements(card, lines),
+            _ if name.starts_with("ELEMENT_") => self.add_elements(card, lines),
             _ if is_part(name) => part_lines(card, parameters)?.into_iter().try_for_each(|(line, inertia)| {
                 let centre = inertia.map(|line| self.centre(&line)).transpose()?;
                 self.parts.insert(line.id(0)?, DynaPart { material: line.id(2)?, centre });
@@ -96,7 +64,7 @@ impl DynaMesh {
         }
     }
 
-    fn node(&mut self, line: DynaLine) -> Result<(), KeywordFault> {
+    fn node(&mut self, line: KeywordLine) -> Result<(), KeywordFault> {
         let line = line.laid_out(FieldLayout::Node);
         let node = line.id(0)?;
         self.highest = self.highest.max(node);
@@ -106,11 +74,15 @@ impl DynaMesh {
 
     /// Records the elements of one card. Options add lines to each element. If an option is unknown, the nodes of parts are not known any
     /// more.
-    fn elements<'a>(&mut self, card: &DynaCard, lines: impl Iterator<Item = DynaLine<'a>>) -> Result<(), KeywordFault> {
+    fn add_elements<'a>(
+        &mut self,
+        card: &DynaCard,
+        lines: impl Iterator<Item = KeywordLine<'a>>,
+    ) -> Result<(), KeywordFault> {
         let Some(kind) = element_kind(card) else { return Ok(()) };
         let options: Vec<&str> = card.keyword.split('_').skip(2).collect();
         let Some(more) = options.iter().map(|option| option_lines(kind, option)).sum::<Option<usize>>() else {
-            self.unread_elements = Some(format!("*{}", card.keyword));
+            self.elements.leave_out(format!("*{}", card.keyword));
             return Ok(());
         };
         // The angle of a shell needs no line of its own if the shell has a line with its thickness.
@@ -127,14 +99,12 @@ impl DynaMesh {
             nodes.truncate(if kind == ElementKind::Beam { 2 } else { 10 });
             let middle = usize::from(nodes.len() > 4 && has("THICKNESS"));
             (0..more + middle).for_each(|_| _ = lines.next());
-            let users = if kind == ElementKind::Solid { &mut self.of_solids } else { &mut self.of_others };
-            users.extend(&nodes);
-            self.elements.entry(part).or_default().push(DynaElement { kind, nodes });
+            self.elements.add(part, KeywordElement { kind, nodes });
         }
         Ok(())
     }
 
-    fn set(&mut self, name: &str, lines: &mut dyn Iterator<Item = DynaLine<'_>>) -> Result<(), KeywordFault> {
+    fn set(&mut self, name: &str, lines: &mut dyn Iterator<Item = KeywordLine<'_>>) -> Result<(), KeywordFault> {
         let (Some((word, kind)), Some(first)) = (set_kind(name), lines.next()) else { return Ok(()) };
         let members = self.sets.entry((kind, first.id(0)?)).or_insert(Ok(Vec::new()));
         match (name[word.len()..].as_ref(), members) {
@@ -152,7 +122,7 @@ impl DynaMesh {
     }
 
     /// The members of the set that a field of a line names.
-    pub fn members(&self, kind: SetKind, line: &DynaLine, field: usize) -> Result<&[u32], Gap> {
+    pub fn members(&self, kind: SetKind, line: &KeywordLine, field: usize) -> Result<&[u32], Gap> {
         let id = line.id(field)?;
         let what = match kind {
             SetKind::Node => "node set",
@@ -167,7 +137,7 @@ impl DynaMesh {
     }
 
     /// The nodes of the set that a field names, each once, in the order of the set; or the single node that the field names.
-    pub fn node_list(&self, is_set: bool, line: &DynaLine, field: usize) -> Result<Vec<u32>, Gap> {
+    pub fn node_list(&self, is_set: bool, line: &KeywordLine, field: usize) -> Result<Vec<u32>, Gap> {
         let mut seen = FxHashSet::default();
         let nodes = if is_set { self.members(SetKind::Node, line, field)?.to_vec() } else { vec![line.id(field)?] };
         match nodes.iter().find(|node| !self.nodes.contains_key(node)) {
@@ -176,34 +146,8 @@ impl DynaMesh {
         }
     }
 
-    /// The elements of these parts.
-    pub fn elements_of(&self, parts: &[u32]) -> Result<Vec<&DynaElement>, Gap> {
-        match &self.unread_elements {
-            Some(keyword) => Err(Gap::Unread(format!("needs the nodes of a part, and {keyword} is not read"))),
-            None => Ok(parts.iter().filter_map(|part| self.elements.get(part)).flatten().collect()),
-        }
-    }
-
-    /// The nodes of a part, ascending, each once.
-    pub fn nodes_of(&self, part: u32) -> Result<Vec<u32>, Gap> {
-        let elements = self.elements_of(&[part])?;
-        let mut nodes: Vec<u32> = elements.into_iter().flat_map(|element| &element.nodes).copied().collect();
-        nodes.sort_unstable();
-        nodes.dedup();
-        Ok(nodes)
-    }
-
-    pub fn has_shells(&self) -> bool {
-        self.elements.values().flatten().any(|element| element.kind == ElementKind::Shell)
-    }
-
-    /// Whether a node has rotations. It has them if it belongs to a shell or a beam, or to no element.
-    pub fn rotates(&self, node: u32) -> bool {
-        self.of_others.contains(&node) || !self.of_solids.contains(&node)
-    }
-
     /// The centre of mass on a line `XC, YC, ZC, TM, IRCS, NODEID`: the position of the node, or the coordinates if no such node exists.
-    pub fn centre(&self, line: &DynaLine) -> Result<Vector, KeywordFault> {
+    pub fn centre(&self, line: &KeywordLine) -> Result<Vector, KeywordFault> {
         self.nodes.get(&line.id(5)?).map_or_else(|| line.vector(0), |position| Ok(*position))
     }
 
@@ -264,7 +208,7 @@ fn option_lines(kind: ElementKind, option: &str) -> Option<usize> {
 }
 
 /// The line with the numbers of a part, and, if the card has it, the line with its centre of mass.
-pub type PartLines<'a> = (DynaLine<'a>, Option<DynaLine<'a>>);
+pub type PartLines<'a> = (KeywordLine<'a>, Option<KeywordLine<'a>>);
 
 /// Options of `*PART` that this reader knows. Each adds a line to a part, and `INERTIA` adds more.
 const OPTIONS: [&str; 5] = ["INERTIA", "REPOSITION", "CONTACT", "PRINT", "ATTACHMENT"];

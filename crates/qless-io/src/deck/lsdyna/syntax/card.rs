@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use rustc_hash::FxHashSet;
 
-use super::fields::{DynaLine, FieldLayout, FieldWidth, Parameters};
 use crate::bytes::LINE;
 use crate::deck::expression::{self, NameLookup, NoValue, Operand};
+use crate::deck::keyword::line::{FieldLayout, FieldWidth, KeywordLine, Parameters};
 use crate::deck::{DeckError, Problem, Sources};
 use crate::fault::quote;
 use crate::number::real;
@@ -27,15 +27,15 @@ pub struct DynaCard {
 
 impl DynaCard {
     /// The data lines, without comments. Blank lines are included, because a blank line stands for zeros.
-    pub fn lines<'a>(&'a self, parameters: &'a Parameters) -> impl Iterator<Item = DynaLine<'a>> + Clone {
+    pub fn lines<'a>(&'a self, parameters: &'a Parameters) -> impl Iterator<Item = KeywordLine<'a>> + Clone {
         let Self { width, line, .. } = *self;
         let numbered = raw_lines(&self.text[self.data.clone()]).zip(line + 1..);
         let data = numbered.filter(|(text, _)| !text.starts_with(b"$"));
-        data.map(move |(text, number)| DynaLine { number, text, width, layout: FieldLayout::Common, parameters })
+        data.map(move |(text, number)| KeywordLine { number, text, width, layout: FieldLayout::Common, parameters })
     }
 
     /// The data lines that are not blank.
-    pub fn filled<'a>(&'a self, parameters: &'a Parameters) -> impl Iterator<Item = DynaLine<'a>> + Clone {
+    pub fn filled<'a>(&'a self, parameters: &'a Parameters) -> impl Iterator<Item = KeywordLine<'a>> + Clone {
         self.lines(parameters).filter(|line| !line.is_blank())
     }
 
@@ -176,7 +176,7 @@ impl DynaCards {
 
     /// Defines a parameter; the first letter of the field gives its type. Without it, or without a value, nothing is defined. Of two
     /// definitions the first counts. The value is not known if the second may count, or not for all cards.
-    fn define(&mut self, card: &DynaCard, line: &DynaLine, field: &[u8], text: &[u8]) {
+    fn define(&mut self, card: &DynaCard, line: &KeywordLine, field: &[u8], text: &[u8]) {
         let Some((kind, name)) = typed_name(field).filter(|_| !text.is_empty()) else {
             let shown = quote(field);
             let why = "has no value, or no type R, I or C before its name: it is not defined, as in LS-DYNA";
@@ -244,8 +244,8 @@ fn typed_name(field: &[u8]) -> Option<(u8, Vec<u8>)> {
 }
 
 /// The expressions of `*PARAMETER_EXPRESSION`: the line and the field of each name, and its text. A line without a name continues the text.
-fn expressions<'a>(card: &'a DynaCard, none: &'a Parameters) -> Vec<(DynaLine<'a>, &'a [u8], Vec<u8>)> {
-    let mut found: Vec<(DynaLine, &[u8], Vec<u8>)> = Vec::new();
+fn expressions<'a>(card: &'a DynaCard, none: &'a Parameters) -> Vec<(KeywordLine<'a>, &'a [u8], Vec<u8>)> {
+    let mut found: Vec<(KeywordLine, &[u8], Vec<u8>)> = Vec::new();
     for line in card.filled(none) {
         match (line.split_first(), found.last_mut()) {
             ((b"", text), Some((_, _, open))) => open.extend(text),

@@ -6,6 +6,9 @@
 //! | most cards | 10 | 10 | 20 |
 //! | elements | 8 | 10 | 20 |
 //! | `*NODE` | 8, 3 x 16, 2 x 8 | 10, 3 x 16, 2 x 10 | 20 |
+//!
+//! Cards of Radioss mix fields of 10 and 20 characters. So the number of a field is that of its first ten columns, and the layout `Wide` reads
+//! ten more.
 
 use rustc_hash::FxHashMap;
 
@@ -23,6 +26,8 @@ pub enum FieldWidth {
     Ten,
     /// Fields of 20 characters: `LONG=Y` or `LONG=K` on `*KEYWORD`, or `+` after the keyword.
     Long,
+    /// Fields of 10 characters, which no comma separates: Radioss.
+    Columns,
 }
 
 /// How the fields of a line are laid out.
@@ -31,6 +36,8 @@ pub enum FieldLayout {
     Common,
     Element,
     Node,
+    /// Fields of 20 characters, counted by tens.
+    Wide,
 }
 
 impl FieldLayout {
@@ -38,6 +45,7 @@ impl FieldLayout {
     fn place(self, field: usize, width: FieldWidth) -> (usize, usize) {
         let narrow = if width == FieldWidth::Standard { 8 } else { 10 };
         match (self, width) {
+            (Self::Wide, _) => (10 * field, 20),
             (_, FieldWidth::Long) => (20 * field, 20),
             (Self::Common, _) => (10 * field, 10),
             (Self::Element, _) => (narrow * field, narrow),
@@ -63,7 +71,7 @@ pub struct KeywordFault {
 
 /// A data line. Its fields are counted from 0.
 #[derive(Clone, Copy)]
-pub struct DynaLine<'a> {
+pub struct KeywordLine<'a> {
     pub number: u32,
     pub text: &'a [u8],
     pub width: FieldWidth,
@@ -71,7 +79,7 @@ pub struct DynaLine<'a> {
     pub parameters: &'a Parameters,
 }
 
-impl<'a> DynaLine<'a> {
+impl<'a> KeywordLine<'a> {
     pub fn is_blank(&self) -> bool {
         self.text.trim_ascii().is_empty()
     }
@@ -83,7 +91,7 @@ impl<'a> DynaLine<'a> {
 
     /// The text of a field, trimmed. It is empty if the line ends before the field.
     pub fn field(&self, field: usize) -> &'a [u8] {
-        if memchr::memchr(b',', self.text).is_some() {
+        if self.width != FieldWidth::Columns && memchr::memchr(b',', self.text).is_some() {
             return self.text.split(|&byte| byte == b',').nth(field).unwrap_or_default().trim_ascii();
         }
         let (start, width) = self.layout.place(field, self.width);
