@@ -377,3 +377,17 @@ fn explanations_do_not_depend_on_other_components() {
     }
     assert!(compared > 4_000, "{compared}");
 }
+
+/// Large values that differ in a late digit are shown with that digit.
+#[test]
+fn the_arithmetic_shows_the_difference() {
+    let mut builder = SystemBuilder::new(2);
+    builder.labelled_equation("tie", [(0, 1.0), (1, -1.0)], 0.0);
+    builder.prescribe_at("line 3", 0, 20_000_000.25);
+    builder.prescribe_at("line 4", 1, 20_000_021.75);
+    let system = builder.build().expect("valid");
+    let analysis = analyse(&system, &Options::default()).expect("an analysis");
+    let explanation = analysis.explain(0).expect("a row").expect("it conflicts");
+    let expected = "20000000.25 (line 3) - 20000021.75 (line 4) = -21.5, but 0 is asked (tie)";
+    assert_eq!(explanation.arithmetic(&system, 0), expected);
+}

@@ -197,3 +197,24 @@ fn rounding_of_coordinates_makes_no_arms() {
         assert_eq!(equations(&model(&deck)), expected, "{deck}");
     }
 }
+
+/// Bodies and means at site coordinates in millimetres: far from the origin as near it, the equations agree to rounding.
+#[test]
+fn coordinates_far_from_the_origin_leave_no_doubt() {
+    for (k, offset) in [0.0, 12_345.7, 1_234_567.1, 987_654.3].into_iter().enumerate() {
+        let corner =
+            |i: usize, axis: usize| offset + [-50.0, 50.0][(i >> axis) & 1] + 0.1 * (i * (k + axis + 1)) as f64;
+        let grid =
+            |i: usize| format!("GRID*,{},,{:.1},{:.1}\n*,{:.1}\n", i + 1, corner(i, 0), corner(i, 1), corner(i, 2));
+        let grids: String = (0..8).map(grid).collect();
+        let centre = format!("GRID*,9,,{0:.1},{0:.1}\n*,{0:.1}\nGRID*,10,,{0:.1},{0:.1}\n*,{0:.1}\n", offset);
+        let cards =
+            "RBE2,20,9,123456,1,2,3,4,5\n,6,7,8\nRBE3,21,,10,123456,1.,123,1,2\n,3,4,5,6,7,8\nRBE2,22,9,123456,10\n";
+        let deck = format!("CEND\nBEGIN BULK\n{grids}{centre}{cards}");
+        let model = model(&deck);
+        let system = model.system(&model.cases()[0]).expect("a system");
+        let analysis = qless::analyse(&system, &qless::Options::default()).expect("an analysis");
+        assert_eq!(system.equations() - analysis.rank(), 6, "{deck}");
+        assert!(!analysis.confidence().ambiguous, "{:?}\n{deck}", analysis.confidence());
+    }
+}

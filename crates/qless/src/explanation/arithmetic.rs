@@ -5,13 +5,15 @@ use crate::ConstraintSystem;
 
 /// Largest number of terms in the line; the others are only counted.
 const SHOWN: usize = 6;
+/// Number of digits, if they suffice.
+const DIGITS: usize = 6;
 /// Largest number of characters of a label.
 const LABEL: usize = 30;
 
 impl Explanation {
     /// The sum of the members and the right-hand side of equation `row`: `0.5 (line 17) - 0 (line 13) = 0.5, but 0 is asked (line 11)`.
     ///
-    /// Equations whose right-hand side is zero are left out, and numbers have at most six digits.
+    /// Equations whose right-hand side is zero are left out. Numbers have at most six digits, or as many as show that the two sides differ.
     ///
     /// ```
     /// use qless::{Options, SystemBuilder, analyse};
@@ -33,13 +35,25 @@ impl Explanation {
             parts.sort_by_key(|part| part.value == 0.0);
         }
         let more = parts.len().saturating_sub(SHOWN);
-        let shown = parts.iter().take(SHOWN).enumerate().map(|(k, part)| part.words(k == 0));
+        let asked = system.rhs().get(row).copied().unwrap_or_default();
+        let count = self.digits(&parts, asked);
+        let digits = |x: f64| digits(x, count);
+        let shown = parts.iter().take(SHOWN).enumerate().map(|(k, part)| part.words(k == 0, count));
         let rest = (more > 0).then(|| format!(" + {more} more"));
         let line: String = shown.chain(rest).collect();
-        let (given, asked) = (digits(self.right_hand_side), digits(system.rhs().get(row).copied().unwrap_or_default()));
+        let (given, asked) = (digits(self.right_hand_side), digits(asked));
         let place = short(&system.equation_label(row));
         let result = if parts.is_empty() { format!("The sum is {given}") } else { format!("{line} = {given}") };
         format!("{result}, but {asked} is asked ({place})")
+    }
+
+    /// The number of digits in which six digits of the difference of both sides are visible.
+    fn digits(&self, parts: &[ArithmeticTerm], asked: f64) -> usize {
+        let values = parts.iter().flat_map(|part| [part.value, part.factor * part.value]);
+        let largest = values.chain([asked, self.right_hand_side]).fold(0.0, |most: f64, value| most.max(value.abs()));
+        let difference = (self.right_hand_side - asked).abs();
+        let lost = if difference > 0.0 { (largest / difference).log10().max(0.0) } else { 0.0 };
+        (DIGITS + lost as usize).min(17)
     }
 }
 
@@ -66,7 +80,8 @@ impl ArithmeticTerm {
     }
 
     /// The term as text, such as ` - 2 * 0.5 (line 17)`.
-    fn words(&self, is_first: bool) -> String {
+    fn words(&self, is_first: bool, count: usize) -> String {
+        let digits = |x: f64| digits(x, count);
         let Self { factor, value, place } = self;
         let sign = match (is_first, *factor < 0.0) {
             (true, true) if *value == 0.0 => "",
@@ -92,9 +107,9 @@ pub(super) fn short(label: &str) -> String {
     }
 }
 
-/// The number with at most six significant digits.
-fn digits(x: f64) -> String {
-    let rounded: f64 = format!("{x:.5e}").parse().unwrap_or(x);
+/// The number with at most this many significant digits.
+fn digits(x: f64, count: usize) -> String {
+    let rounded: f64 = format!("{x:.*e}", count.saturating_sub(1)).parse().unwrap_or(x);
     let text = format!("{:?}", rounded + 0.0);
     text.strip_suffix(".0").map_or_else(|| text.clone(), str::to_owned)
 }
@@ -113,9 +128,6 @@ mod tests {
         ] {
             assert_eq!(short(label), expected);
         }
-        assert_eq!(
-            (digits(0.1 + 0.2), digits(-0.0), digits(2.0), digits(1e-9)),
-            ("0.3".into(), "0".into(), "2".into(), "1e-9".into())
-        );
+        assert_eq!([0.1 + 0.2, -0.0, 2.0, 1e-9].map(|x| digits(x, DIGITS)), ["0.3", "0", "2", "1e-9"]);
     }
 }

@@ -144,7 +144,7 @@ fn next(list: &EquationList, report: &Report, obstacle: Option<&str>) -> Vec<Str
 fn then(list: &EquationList, report: &Report) -> Option<String> {
     let deck = list.deck.filter(|deck| report.status == Status::Conflicting && deck.needs_cleaning())?;
     let does = of_solver(deck)?.trim_start_matches("But ").trim_end_matches('.').to_owned();
-    let how = if deck.deck.format() == Format::LsDyna {
+    let how = if matches!(deck.deck.format(), Format::LsDyna | Format::Radioss) {
         "correct what is said above by hand".to_owned()
     } else {
         format!("run `qless clean {} -o DECK`", quoted(list.input))
