@@ -67,6 +67,7 @@ impl MeanElement {
 }
 
 /// The connected components of an `RBE3`, each with its motion row about their centre and its weight. Rotations are converted to lengths.
+/// Positions are measured from the reference, so that they keep their digits far from the origin.
 struct ConnectedBody {
     dofs: Vec<(Dof, MotionRow, f64)>,
     centre: Vector,
@@ -76,9 +77,10 @@ struct ConnectedBody {
 
 impl ConnectedBody {
     fn new(element: &MeanElement, reference: &Pose, poses: &impl Poses) -> Result<Self, Problem> {
-        let nodes = element.nodes(poses)?;
+        let mut nodes = element.nodes(poses)?;
+        nodes.iter_mut().for_each(|(_, pose)| pose.position = minus(pose.position, reference.position));
         let (centre, size) = centre_and_size(nodes.iter().map(|(_, pose)| pose.position));
-        let distances = nodes.iter().map(|(_, pose)| length(minus(pose.position, reference.position)));
+        let distances = nodes.iter().map(|(_, pose)| length(pose.position));
         let mean_distance = distances.sum::<f64>() / nodes.len() as f64;
         let arm = if mean_distance > 0.0 { mean_distance } else { 1.0 };
         let mut body = Self { dofs: Vec::new(), centre, size, normal: ScaledNormal::new::<MotionRow>(0, &[]) };
@@ -101,7 +103,8 @@ impl ConnectedBody {
     /// determine it.
     fn mean(&self, reference: &Pose, component: u8) -> Option<Vec<(Dof, f64)>> {
         let scaled = |row: &MotionRow| -> MotionRow { std::array::from_fn(|i| row[i] * self.normal.scale[i]) };
-        let mut motion = self.normal.factor.solve(&scaled(&self.row(reference, component)))?;
+        let reference = Pose { position: [0.0; 3], ..*reference };
+        let mut motion = self.normal.factor.solve(&scaled(&self.row(&reference, component)))?;
         let largest = motion.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
         motion.iter_mut().for_each(|x| *x = clean(*x, largest));
         Some(self.dofs.iter().map(|(dof, row, weight)| (*dof, weight * product(&scaled(row), &motion))).collect())

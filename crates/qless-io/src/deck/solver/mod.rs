@@ -104,7 +104,11 @@ impl<'a> Profile<'a> {
     /// What the solver does about equations whose slaves depend on one another in a circle.
     pub fn circle(&self, equations: &[usize]) -> Outcome {
         match self.solver {
-            Solver::Ansys => self.ansys(equations),
+            Solver::Ansys => {
+                // Coupled sets are joined before equations eliminate DOFs.
+                let is_set = |i: &usize| self.kind(*i) == CardKind::CoupledSet;
+                self.ansys(&equations.iter().copied().filter(|i| !is_set(i)).collect::<Vec<_>>())
+            }
             Solver::LsDyna | Solver::Radioss => Outcome::Unsound,
             Solver::Ccx if keeps_slaves(self.model, equations) == Some(true) => Outcome::Unsound,
             _ => Outcome::Refused,
