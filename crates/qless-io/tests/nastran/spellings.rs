@@ -207,7 +207,8 @@ fn coordinates_far_from_the_origin_leave_no_doubt() {
         let grid =
             |i: usize| format!("GRID*,{},,{:.1},{:.1}\n*,{:.1}\n", i + 1, corner(i, 0), corner(i, 1), corner(i, 2));
         let grids: String = (0..8).map(grid).collect();
-        let centre = format!("GRID*,9,,{0:.1},{0:.1}\n*,{0:.1}\nGRID*,10,,{0:.1},{0:.1}\n*,{0:.1}\n", offset);
+        let place = format!("{offset:.1},{offset:.1}\n*,{offset:.1}\n");
+        let centre = format!("GRID*,9,,{place}GRID*,10,,{place}");
         let cards =
             "RBE2,20,9,123456,1,2,3,4,5\n,6,7,8\nRBE3,21,,10,123456,1.,123,1,2\n,3,4,5,6,7,8\nRBE2,22,9,123456,10\n";
         let deck = format!("CEND\nBEGIN BULK\n{grids}{centre}{cards}");
