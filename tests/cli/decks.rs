@@ -113,7 +113,7 @@ fn what_the_solver_refuses_and_what_loads_it_swallows() {
     for part in [
         "1:1 is the slave of line 9 *EQUATION, and prescribed in line 7 *BOUNDARY",
         "3:1 in line 14 *CLOAD",
-        "Next: `qless clean fixed.inp -o DECK` writes a deck that the solver takes.",
+        "Next: `qless clean fixed.inp -o fixed-clean.inp` writes a deck that the solver takes.",
     ] {
         assert!(run.out.contains(part), "{part}\n{}", run.out);
     }
@@ -144,7 +144,7 @@ fn what_is_refused_what_is_implied_and_what_is_lost_are_three_things() {
             [0, 1, 1],
             [
                 "LOST: ccx drops 12 claims that the rest does not imply; 12 motions come free, 101:1, 101:2, 101:3, 102:1,",
-                "Next: `qless clean lost.inp -o DECK` writes a deck in which the lost ones hold.",
+                "Next: `qless clean lost.inp -o lost-clean.inp` writes a deck in which the lost ones hold.",
             ],
         ),
         (
@@ -155,7 +155,7 @@ fn what_is_refused_what_is_implied_and_what_is_lost_are_three_things() {
             [0, 1, 0],
             [
                 "ccx drops these claims without effect: they follow from what it keeps:",
-                "Next: `qless clean implied.inp -o DECK` writes a deck without redundant equations.",
+                "Next: `qless clean implied.inp -o implied-clean.inp` writes a deck without redundant equations.",
             ],
         ),
         (
@@ -166,7 +166,7 @@ fn what_is_refused_what_is_implied_and_what_is_lost_are_three_things() {
             [1, 0, 0],
             [
                 "ccx refuses the deck for these reasons:",
-                "Next: `qless clean refused.inp -o DECK` writes a deck that the solver takes.",
+                "Next: `qless clean refused.inp -o refused-clean.inp` writes a deck that the solver takes.",
             ],
         ),
     ] {

@@ -23,7 +23,7 @@ fn a_conflict_shows_its_boundary_cards_and_the_cure() {
         "(line 18)",
         "but 0 is asked (line ",
         "Next: change 4:1 in line 18 *BOUNDARY from 0.25 to 0:\n    cures row ",
-        "\nThen run `qless clean chain.inp -o DECK`: without conflicts, ccx refuses the deck as before.\n",
+        "\nThen run `qless clean chain.inp -o chain-clean.inp`: that cures conflicts only, and ccx refuses the deck even without them.\n",
         "Left sides of what was dropped agree to rounding.",
     ] {
         assert!(run.out.contains(part), "`{part}` is not in:\n{}", run.out);
@@ -84,6 +84,11 @@ fn explain_finds_lines_and_nodes_of_decks() {
         ("line8", "\"line 7 *EQUATION 2:1\""),
         ("2:ux", "2:1 is fixed to 0"),
         ("*equation", "\"line 11 *EQUATION 4:1\""),
+        ("Equation", "\"line 11 *EQUATION 4:1\""),
+        ("line 9 *EQUATION 3:1", "\"line 9 *EQUATION 3:1\""),
+        ("row 2 \"line 9 *EQUATION 3:1\"", "\"line 9 *EQUATION 3:1\""),
+        ("boundary", "4:1 is prescribed"),
+        ("2:1 = 0", "2:1 is fixed to 0"),
     ] {
         let run = place.run_words(&["explain", "-q", "chain.inp", what]);
         assert!(run.code == 0 && run.out.contains(part), "{what}: {} {}", run.out, run.err);
@@ -95,6 +100,8 @@ fn explain_finds_lines_and_nodes_of_decks() {
         ),
         ("2:3", "2:3: no equation has this DOF"),
         ("2:7", "2:7: no equation has this DOF"),
+        ("2:q", "2:q: write the component as a number, or as UX to UZ and ROTX to ROTZ"),
+        ("2", "2: say `row 2` for an equation, `column 2` for a DOF, `2:1` for the first DOF of a node"),
     ] {
         let run = place.run_words(&["explain", "-q", "chain.inp", what]);
         assert!(run.code == 2 && run.err.contains(part), "{what}: {} {}", run.out, run.err);

@@ -14,7 +14,7 @@ pub const INCOMPLETE: u8 = 4;
 /// The list of exit codes at the end of the help text.
 pub const HELP: &str = "\
 Exit codes:
-  0  solvable: independent, or redundant but consistent
+  0  no conflict: independent, or redundant but consistent; the solver may still refuse the deck (--deny refused,lost)
   1  conflicting equations, or something that --deny names, even if constraints were left out
   2  bad usage, bad input, or input in an unknown format
   3  out of memory, or the output cannot be written

@@ -1,5 +1,7 @@
 //! The sections of the text report that only decks have.
 
+use std::collections::HashMap;
+
 use qless::Analysis;
 use qless_io::deck::{Dof, Load, Solver};
 
@@ -12,11 +14,16 @@ impl DeckInput {
     /// The sections of the report, the most important one first.
     pub fn sections(&self, analysis: &Analysis) -> Vec<LayoutSection> {
         let (solver, shown) = (self.deck.solver(), self.shown());
-        let words = |claims: &[DroppedClaim]| claims.iter().map(DroppedClaim::words).collect();
+        let words = |claims: &[DroppedClaim]| {
+            grouped(claims.iter().map(|claim| (claim.dropped.as_str(), claim.claims.as_str())))
+        };
         let sections = [
             LayoutSection::new("Constraints that were left out:", self.left_out()),
             self.table(),
-            LayoutSection::new(format!("{solver} refuses the deck for these reasons:"), shown.claims.refused.clone()),
+            LayoutSection::new(
+                format!("{solver} refuses the deck for these reasons:"),
+                grouped(shown.claims.refused.iter().map(|claim| ("", claim.as_str()))),
+            ),
             LayoutSection::new(lost_heading(solver, &shown.claims), words(&shown.claims.lost)),
             LayoutSection::new(
                 format!("{solver} drops these claims without effect: they follow from what it keeps:"),
@@ -24,7 +31,7 @@ impl DeckInput {
             ),
             LayoutSection::new(
                 format!("{solver} may continue with these, but its results are then unreliable:"),
-                shown.claims.unsound.clone(),
+                grouped(shown.claims.unsound.iter().map(|claim| ("", claim.as_str()))),
             ),
             LayoutSection::new(
                 "Loads without effect, on DOFs that the equations fix:",
@@ -66,7 +73,7 @@ impl DeckInput {
     }
 
     /// Loads on DOFs that the equations fix.
-    pub(super) fn loads_on_fixed_dofs(&self, analysis: &Analysis) -> Vec<String> {
+    pub fn loads_on_fixed_dofs(&self, analysis: &Analysis) -> Vec<String> {
         let model = self.deck.model();
         let is_fixed = |dof: Dof| {
             let column = model.column(dof).map(|j| j as usize);
@@ -77,6 +84,69 @@ impl DeckInput {
     }
 }
 
+/// Largest number of DOFs that a line about several names; JSON has all of them.
+const NAMED: usize = 6;
+
+/// Claims that differ in the DOF only.
+struct ClaimGroup<'a> {
+    /// The card that is dropped; empty if none is.
+    dropped: &'a str,
+    /// The words after the DOF.
+    rest: &'a str,
+    /// The DOFs.
+    names: Vec<String>,
+    /// The words of the first claim.
+    first: &'a str,
+}
+
+impl ClaimGroup<'_> {
+    /// `28:1, 28:2 and 25 more: each is the slave of line 171 *TIE, and of line 176 *RIGID BODY`; a single claim in its own words.
+    fn words(&self) -> String {
+        let Self { dropped, rest, names, first } = self;
+        let more = names.len().saturating_sub(NAMED);
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        let shown = names[..names.len().min(NAMED)].join(", ");
+        let words = match names.len() {
+            1 => (*first).to_owned(),
+            _ if *rest == CIRCLE => {
+                format!("{shown}{more} depend on one another in a circle: their equations do not determine them")
+            }
+            _ => format!("{shown}{more}: each {rest}"),
+        };
+        if dropped.is_empty() { words } else { format!("{dropped}: {words}") }
+    }
+}
+
+/// Claims, each with the card that is dropped or without one, in words. Those that differ in the DOF only become one line.
+fn grouped<'a>(claims: impl Iterator<Item = (&'a str, &'a str)>) -> Vec<String> {
+    let mut groups: Vec<ClaimGroup> = Vec::new();
+    let mut place = HashMap::new();
+    for (dropped, claim) in claims {
+        let (name, rest) = split(claim);
+        let k = *place.entry((dropped, rest)).or_insert(groups.len());
+        if k == groups.len() {
+            groups.push(ClaimGroup { dropped, rest, names: Vec::new(), first: claim });
+        }
+        groups[k].names.push(name);
+    }
+    groups.iter().map(ClaimGroup::words).collect()
+}
+
+/// The end of the words about a slave of a circle.
+const CIRCLE: &str = "depends on itself through other slaves, and inserting their equations does not determine it";
+
+/// The DOF of a claim, for a circle with its equation, and the rest of the words.
+fn split(claim: &str) -> (String, &str) {
+    if let Some(start) = claim.strip_suffix(CIRCLE) {
+        let (dof, place) = start.trim_end_matches(", ").split_once(", the slave of ").unwrap_or((start, ""));
+        return (format!("{dof} ({place})"), CIRCLE);
+    }
+    match claim.split_once(' ') {
+        Some((dof, rest)) if rest.starts_with("is ") => (dof.to_owned(), rest),
+        _ => (String::new(), claim),
+    }
+}
+
 /// Largest number of free motions that are named; JSON has all of them.
 const FREED_SHOWN: usize = 8;
 
@@ -84,9 +154,14 @@ const FREED_SHOWN: usize = 8;
 fn lost_heading(solver: Solver, claims: &Claims) -> String {
     let motions = match &claims.freed[..] {
         [] => "no motion comes free".to_owned(),
-        [one] => format!("1 motion comes free, {one}"),
-        all if all.len() <= FREED_SHOWN => format!("{} motions come free, {}", all.len(), all.join(", ")),
-        all => format!("{} motions come free, {} and others", all.len(), all[..FREED_SHOWN].join(", ")),
+        [one] => format!("1 motion comes free, {one} or what it was tied to"),
+        all if all.len() <= FREED_SHOWN => {
+            format!("{} motions come free, {} or what they were tied to", all.len(), all.join(", "))
+        }
+        all => {
+            let shown = all[..FREED_SHOWN].join(", ");
+            format!("{} motions come free, {shown} and others, or what they were tied to", all.len())
+        }
     };
     format!("LOST: {solver} drops {} that the rest does not imply; {motions}:", count(claims.lost.len(), "claim"))
 }

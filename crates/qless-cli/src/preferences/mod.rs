@@ -39,7 +39,9 @@ pub enum Place {
 pub fn find(text: &str, system: &ConstraintSystem, deck: Option<(&Deck, &LoadCase)>) -> Result<Vec<Place>, CliFailure> {
     let numbered = |word: &str, count: usize| {
         let start = text.get(..word.len()).filter(|start| start.eq_ignore_ascii_case(word))?;
-        let number: usize = text[start.len()..].trim().parse().ok()?;
+        // The report names equations `row 14 "tie B/C, y"`.
+        let number = text[start.len()..].split('"').next().unwrap_or_default();
+        let number: usize = number.trim().parse().ok()?;
         Some(if (1..=count).contains(&number) {
             Ok(number - 1)
         } else {
@@ -55,7 +57,10 @@ pub fn find(text: &str, system: &ConstraintSystem, deck: Option<(&Deck, &LoadCas
         }
     }
     if text.trim().parse::<usize>().is_ok() {
-        return Err(CliFailure::Input(format!("{text}: say `row {text}` for an equation, `column {text}` for a DOF")));
+        let node = if deck.is_some() { format!(", `{text}:1` for the first DOF of a node") } else { String::new() };
+        return Err(CliFailure::Input(format!(
+            "{text}: say `row {text}` for an equation, `column {text}` for a DOF{node}"
+        )));
     }
     let names = NameIndex::new(system, deck);
     let words = WordList(vec![ListWord::Name(text.trim().to_owned())]);
@@ -74,8 +79,11 @@ pub fn find(text: &str, system: &ConstraintSystem, deck: Option<(&Deck, &LoadCas
         (Err(error @ WordError::Unknown { .. }), _) | (_, Err(error @ WordError::Line { .. })) => {
             Err(CliFailure::Input(error.to_string()))
         }
+        _ if is_dof && resolve::dof(text).is_none() => {
+            Err(CliFailure::Input(format!("{text}: write the component as a number, or as UX to UZ and ROTX to ROTZ")))
+        }
         _ if is_dof => Err(CliFailure::Input(format!("{text}: no equation has this DOF"))),
-        _ => Err(CliFailure::Input(format!("{text}: none of its equations holds in this load case"))),
+        _ => Err(CliFailure::Input(format!("{text}: no equation of this load case belongs to it"))),
     }
 }
 

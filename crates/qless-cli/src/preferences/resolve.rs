@@ -156,21 +156,31 @@ fn matching(model: &Model, case: &LoadCase, matches: &dyn Fn(Dof) -> bool, wante
     }
 }
 
-/// Whether a card that gives an equation has this name, such as `RBE2 13` or `*TIE`.
+/// Whether a card has this name, such as `RBE2 13`, `RBE2,13`, `*TIE` or `tie`.
 fn is_card(model: &Model, name: &str) -> bool {
-    (0..model.equations()).filter_map(|i| model.equation(i)).any(|equation| is_named(model, equation.origin, name))
+    let cards = model.cards();
+    (0..cards.len() as u32).filter_map(|i| cards.get(i)).any(|card| is_named(&card.name.to_string(), name))
 }
 
-fn is_named(model: &Model, origin: Origin, name: &str) -> bool {
-    model.cards().get(origin.card).is_some_and(|card| card.name.to_string().eq_ignore_ascii_case(name))
+fn is_named(card: &str, name: &str) -> bool {
+    let plain = |text: &str| text.trim_start_matches('*').replace(',', " ").to_ascii_uppercase();
+    plain(card) == plain(name)
 }
 
-/// The equations of the cards with this name, or their DOFs.
+/// The equations of the cards with this name, or their DOFs and those that they prescribe or load.
 fn of_cards(model: &Model, case: &LoadCase, name: &str, wanted: Wanted) -> Vec<usize> {
-    let equations = rows(model, case).filter(|(_, origin, _)| is_named(model, *origin, name));
+    let is_named =
+        |origin: Origin| model.cards().get(origin.card).is_some_and(|card| is_named(&card.name.to_string(), name));
+    let equations = rows(model, case).filter(|(_, origin, _)| is_named(*origin));
     match wanted {
         Wanted::Equations => equations.map(|(row, ..)| row).collect(),
-        Wanted::Dofs => equations.flat_map(|(_, _, columns)| columns.iter().map(|&j| j as usize)).collect(),
+        Wanted::Dofs => {
+            let values = case.prescribed.iter().map(|given| (given.dof, given.origin));
+            let given = values.chain(case.loads.iter().map(|load| (load.dof, load.origin)));
+            let given = given.filter(|(_, origin)| is_named(*origin)).filter_map(|(dof, _)| model.column(dof));
+            let own = equations.flat_map(|(_, _, columns)| columns.iter().copied());
+            own.chain(given).map(|j| j as usize).collect()
+        }
     }
 }
 
@@ -180,10 +190,12 @@ fn rows<'a>(model: &'a Model, case: &LoadCase) -> impl Iterator<Item = (usize, O
     (0..).zip(equations).map(|(row, equation)| (row, equation.origin, equation.columns))
 }
 
-/// The nearest line with an equation; if DOFs are wanted, also with a prescribed value or a load.
+/// The nearest line with an equation; if DOFs are wanted, also with a value or a load at a DOF of an equation.
 fn nearest_line(model: &Model, case: &LoadCase, line: &ListedDeckLine, wanted: Wanted) -> Option<u32> {
     let equations = (0..model.equations()).filter_map(|i| model.equation(i)).map(|equation| equation.origin);
-    let given = case.prescribed.iter().map(|given| given.origin).chain(case.loads.iter().map(|load| load.origin));
+    let values = case.prescribed.iter().map(|given| (given.dof, given.origin));
+    let given = values.chain(case.loads.iter().map(|load| (load.dof, load.origin)));
+    let given = given.filter(|(dof, _)| model.column(*dof).is_some()).map(|(_, origin)| origin);
     let origins = equations.chain(given.filter(|_| wanted == Wanted::Dofs));
     let lines = origins.filter(|&origin| line.file_of(model, origin)).map(|origin| origin.line);
     lines.min_by_key(|found| found.abs_diff(line.line))
@@ -205,10 +217,10 @@ fn nearest(word: &str, known: impl Iterator<Item = String>) -> Option<String> {
 /// The names that ANSYS gives to components 1 to 6.
 const COMPONENTS: [&str; 6] = ["UX", "UY", "UZ", "ROTX", "ROTY", "ROTZ"];
 
-/// Parses `node:component`, with a number or a name as component: `5:3`, `5:UZ`.
-fn dof(word: &str) -> Option<Dof> {
+/// Parses `node:component`, with a number or a name as component, and a value as in the report: `5:3`, `5:UZ`, `5:3 = 0`.
+pub fn dof(word: &str) -> Option<Dof> {
     let (node, component) = word.split_once(':')?;
-    let component = component.trim();
+    let component = component.split('=').next().unwrap_or_default().trim();
     let named = || (1..).zip(COMPONENTS).find(|(_, name)| name.eq_ignore_ascii_case(component)).map(|(k, _)| k);
     Some(Dof { node: node.trim().parse().ok()?, component: component.parse().ok().or_else(named)? })
 }
@@ -223,7 +235,9 @@ struct ListedDeckLine {
 impl ListedDeckLine {
     fn parse(word: &str) -> Option<Self> {
         let number = word.get(..4).filter(|start| start.eq_ignore_ascii_case("line")).map(|start| &word[start.len()..]);
-        if let Some(line) = number.and_then(|number| number.trim().parse().ok()) {
+        // The report names cards `line 41 *EQUATION`.
+        let number = number.and_then(|number| number.split_whitespace().next());
+        if let Some(line) = number.and_then(|number| number.parse().ok()) {
             return Some(Self { file: None, line });
         }
         let (file, line) = word.rsplit_once(':')?;

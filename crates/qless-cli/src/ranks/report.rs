@@ -81,6 +81,7 @@ impl Findings<'_> {
         };
         let dependent = self.found.dependent.iter().map(finding).collect();
         let list = EquationList {
+            idle_loads: 0,
             input,
             deck: None,
             tolerance: self.options.tolerance,

@@ -10,9 +10,9 @@ use crate::input::numbering::LocalSystem;
 /// wrong in their 8th digit.
 pub(super) const NEAR: f64 = 1e-7;
 /// A mismatch of the right-hand sides up to this, relative to its terms, is zero: rounding of the terms can cause it.
-const NO_MISMATCH: f64 = 1e-12;
+pub(super) const NO_MISMATCH: f64 = 1e-12;
 /// A nonzero mismatch below this may stand for zero.
-const SMALL_MISMATCH: f64 = 1e-6;
+pub(super) const SMALL_MISMATCH: f64 = 1e-6;
 /// A term of a certificate below this fraction of the largest one may be rounding. Certificates are accurate to `1e-11 / d`, where d is the
 /// distance of the kept equations from dependence.
 pub(super) const ACCURACY: f64 = 1e-11;
@@ -91,7 +91,8 @@ impl Confidence {
     pub fn of(distance: f64, error: f64, tolerance: Tolerance, other: Option<Doubt>) -> Self {
         let (is_near, has_no_gap) = match tolerance.stated() {
             Some(stated) => (distance < stated.max(NO_MISMATCH), false),
-            None => (distance < NEAR, error > 0.0),
+            // A remainder below eps of its terms is within the rounding of the coefficients.
+            None => (distance < NEAR, error > f64::EPSILON),
         };
         let doubt = is_near.then_some(Doubt::Near).or(has_no_gap.then_some(Doubt::NoGap)).or(other);
         Self { distance, error, ambiguous: doubt.is_some(), doubt }

@@ -66,10 +66,10 @@ pub(crate) fn find(kept: &KeptRows, slow: &[(u32, bool)], keys: &RandomKeys) -> 
     let none = |_| [0.0];
     let u = kept.complete(kept.solve(start, none), none);
     let rounded = |i: usize| free(system, i).filter(|&(_, v)| !is_short(v));
-    let size = |i: usize| rounded(i).map(|(j, v)| (v * u[j][0]).abs()).sum::<f64>();
+    let size = |i: usize| rounded(i).map(|(j, v)| (v * u[j][0]).abs()).sum();
+    let sizes: Vec<f64> = (0..system.equations()).map(size).collect();
     let sides = |i: usize| {
-        let size = size(i);
-        let [a, b, c] = SEEDS.map(|seed| size * signed(seed, keys.row(i as u32)));
+        let [a, b, c] = SEEDS.map(|seed| sizes[i] * signed(seed, keys.row(i as u32)));
         [system.rhs()[i], a, b, c]
     };
     let mut start: Slab<4> = vec![[0.0; 4]; system.dofs()];

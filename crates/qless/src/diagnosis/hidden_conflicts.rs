@@ -15,7 +15,7 @@ use rayon::prelude::*;
 
 use super::certificate::{CertificateTerm, History};
 use super::classify::{Dependent, Kind, MismatchRule, Source};
-use super::confidence::{ACCURACY, NEAR};
+use super::confidence::{ACCURACY, NEAR, NO_MISMATCH, SMALL_MISMATCH};
 use super::distance::least_distances;
 use super::nullspace_probe::RandomKeys;
 use super::refined::{SolveKept, product};
@@ -35,8 +35,9 @@ const W: usize = V + 1;
 /// Seeds of the random weights w, one for each solution v of `C v = w b`.
 const SEEDS: [u64; V] = [0x9e37_79b9, 0x85eb_ca6b, 0xc2b2_ae35];
 
-/// Classifies redundant equations again if their mismatch may exceed the tolerance of their own right-hand side. `distances` are those of
-/// cores of kept equations from dependence, each with one of its equations; None if they were not computed.
+/// Classifies redundant equations again if their mismatch may exceed the tolerance of their own right-hand side, and all equations whose
+/// mismatch may be in doubt: the doubt depends on the terms of the certificate alone. `distances` are those of cores of kept equations from
+/// dependence, each with one of its equations; None if they were not computed.
 pub(crate) fn find(
     dependent: &mut [Dependent],
     keys: &mut RandomKeys,
@@ -45,8 +46,10 @@ pub(crate) fn find(
     rule: &MismatchRule,
 ) {
     let is_unclear = |d: &Dependent, size: f64| {
-        let most = d.mismatch.abs() + MORE_THAN_ROUNDING * d.rest.error;
-        d.kind == Kind::Redundant && !d.is_suspect && most > rule.tolerance * size
+        let (mismatch, error) = (d.mismatch.abs(), MORE_THAN_ROUNDING * d.rest.error);
+        let may_conflict = d.kind == Kind::Redundant && mismatch + error > rule.tolerance * size;
+        let is_small = d.relative_mismatch < SMALL_MISMATCH && mismatch > error && mismatch > NO_MISMATCH * size;
+        !d.is_suspect && (may_conflict || is_small)
     };
     // A certificate that is given has the mismatch of its own terms only.
     let is_hidden = |d: &Dependent| matches!(d.source, Source::Traced(..)) && is_unclear(d, rule.side(d.row).size);
@@ -69,7 +72,8 @@ pub(crate) fn find(
     let classified = |(&k, rest): (&usize, Mismatch)| {
         let d = &dependent[k];
         let found = Dependent::new(d.row, rest, d.dropped, d.source.clone(), rule);
-        if rest.value.is_finite() && (found.kind == Kind::Conflicting || found.is_suspect) {
+        let is_small = found.relative_mismatch > NO_MISMATCH;
+        if rest.value.is_finite() && (found.kind == Kind::Conflicting || found.is_suspect || is_small) {
             return Some((k, found));
         }
         let distance = least[labels.of_row[d.row] as usize];

@@ -43,7 +43,11 @@ impl Explanation {
         let line: String = shown.chain(rest).collect();
         let (given, asked) = (digits(self.right_hand_side), digits(asked));
         let place = short(&system.equation_label(row));
-        let result = if parts.is_empty() { format!("The sum is {given}") } else { format!("{line} = {given}") };
+        let result = match &parts[..] {
+            [] => format!("The sum is {given}"),
+            [one] if one.factor == 1.0 => line,
+            _ => format!("{line} = {given}"),
+        };
         format!("{result}, but {asked} is asked ({place})")
     }
 

@@ -35,7 +35,8 @@ const ALIKE: f64 = 16.0;
 ///   were turned several times.
 /// - Every coefficient of its equation is small: below `2^-46` of M, and at most sixteen times the largest coefficient of the component
 ///   that is suspect by the first two rules. M is the largest coefficient of the equation's DOFs in all equations. If every coefficient
-///   is also a multiple of the rounding unit of M (`2^-60` times the largest power of two up to M), the whole equation is suspect.
+///   is also a multiple of the rounding unit of M (`2^-60` times the largest power of two up to M), and its right-hand side is zero or as
+///   small as a suspect mismatch, the whole equation is suspect.
 ///
 /// A mismatch of right-hand sides is suspect if it is below `2^-46` of the largest right-hand side and prescribed term of its component,
 /// in balanced units. Numbers of up to 8 decimal digits were typed and are never suspect.
@@ -130,7 +131,8 @@ impl Suspects {
                 single.iter().for_each(|t| largest[label(t.row)] = largest[label(t.row)].max(t.coefficient.abs()));
                 let is_alike = |i: usize, v: f64| v.abs() <= ALIKE * largest[label(i)] && !is_typed(v);
                 let part = ldexp(1.0, SUSPECT);
-                let rows = rows_below(system, exponents, part, |i, v, most| is_alike(i, v) && is_left_of(v, most));
+                let mut rows = rows_below(system, exponents, part, |i, v, most| is_alike(i, v) && is_left_of(v, most));
+                without_sides(system, &mut rows);
                 let gone: HashSet<usize> = rows.iter().map(|term| term.row).collect();
                 single.extend(rows_below(system, exponents, part, |i, v, _| is_alike(i, v)));
                 single.retain(|term| !gone.contains(&term.row));
@@ -275,6 +277,14 @@ fn rows_below(
         free(system, i).all(|(_, v)| v.abs() <= part * most && may_be(i, v, most))
     };
     rows.into_iter().filter(is_rounding).flat_map(|i| terms(system, i)).collect()
+}
+
+/// Leaves out equations whose right-hand side is no rounding error beside those of their component: that of an equation of rounding is.
+fn without_sides(system: LocalSystem, rows: &mut Vec<NoiseTerm>) {
+    if rows.iter().any(|term| system.rhs()[term.row] != 0.0) {
+        let rounding = rounding_of_sides(system);
+        rows.retain(|term| system.rhs()[term.row] == 0.0 || system.rhs()[term.row].abs().log2() <= rounding[term.row]);
+    }
 }
 
 /// Returns true if a number can be the rounding error of a sum of numbers up to `most`: it was not typed, and it is a multiple of the

@@ -187,3 +187,24 @@ fn remainders_that_consist_of_rounding_are_told_as_rounding() {
         });
     }
 }
+
+/// An equation in a small unit beside suspect coefficients is no equation of rounding if its right-hand side is none: it holds.
+#[test]
+fn a_small_unit_with_a_right_hand_side_is_no_rounding() {
+    let small = 2_f64.powi(-23);
+    let rows: Equations = &[
+        (&[(8, -3e4), (1, -2e-13), (2, 1.0)], 0.0),
+        (&[(0, -3e8)], 0.0),
+        (&[(4, 6e4), (2, 1.0), (12, -1.525_878_906_25e-5)], 0.0),
+        (&[(11, small), (0, -small)], small),
+        (&[(3, 1.0), (9, 1.0)], 0.0),
+        (&[(11, 1.0), (5, 1.0)], 0.0),
+        (&[(13, 1.0), (9, 1.0)], 0.0),
+        (&[(4, 1.0), (10, -6e7)], 0.0),
+        (&[(12, 1.0), (7, 1.0), (10, 1.0)], 0.0),
+        (&[(6, 1.0), (3, 1.0)], 0.0),
+        (&[(13, 1.0), (5, 1.0)], 0.0),
+        (&[(6, 1.0), (4, 1.0), (7, -1e17)], 0.0),
+    ];
+    each(&system(14, rows, &[]), |analysis, name| assert_eq!(counts(analysis), [12, 0, 0], "{name}"));
+}

@@ -215,3 +215,41 @@ fn right_hand_sides_hide_no_remainder() {
         });
     }
 }
+
+/// `u0 - u1 = 1e-3`, twice as much with another difference, and a value of u0: whether the two conflict does not depend on it, as long as the
+/// digits of the differences are not rounding beside it.
+#[test]
+fn another_value_hides_no_conflict_and_raises_no_doubt() {
+    for value in [1.0, 1e3, 1e5, 1e6, 1e8] {
+        for (second, expected, ambiguous) in [(2.2e-3, [2, 0, 1], false), (2e-3, [2, 1, 0], false)] {
+            let rows: Equations =
+                &[(&[(0, 1.0), (1, -1.0)], 1e-3), (&[(0, 2.0), (1, -2.0)], second), (&[(0, 1.0)], value)];
+            each(&system(2, rows, &[]), |analysis, name| {
+                let confidence = analysis.confidence();
+                assert_eq!(
+                    (counts(analysis), confidence.ambiguous),
+                    (expected, ambiguous),
+                    "{value}, {name}: {confidence:?}"
+                );
+            });
+        }
+        // The difference is 1e-10 of the terms of both, so that it may be rounding.
+        let rows: Equations = &[
+            (&[(0, 1.0), (1, 1.0)], 171_658.643_983_8),
+            (&[(0, 6.0), (1, 6.0)], 1_029_951.863_800_656),
+            (&[(0, 1.0)], value),
+        ];
+        each(&system(2, rows, &[]), |analysis, name| assert!(analysis.confidence().ambiguous, "{value}, {name}"));
+    }
+}
+
+/// Coefficients over hundreds of decades: what is left of a combination is far below the last digit of its terms.
+#[test]
+fn remainders_below_the_last_digit_are_no_remainders() {
+    for power in [60, 100, 200] {
+        let (large, small) = (10_f64.powi(power), 10_f64.powi(-power));
+        let rows: Equations =
+            &[(&[(0, large), (1, small)], 0.0), (&[(0, small), (1, large)], 0.0), (&[(0, 1.0), (1, 1.0)], 0.0)];
+        is_sure(&system(2, rows, &[]), [2, 1, 0]);
+    }
+}

@@ -116,7 +116,7 @@ fn remainder(list: &EquationList) -> Option<String> {
     } else {
         "Check that no digits were lost.".to_owned()
     };
-    (dropped > 0.0).then(|| format!("  {name} is not quite its combination. {advice}"))
+    (dropped > f64::EPSILON).then(|| format!("  {name} is not quite its combination. {advice}"))
 }
 
 /// The line about numbers that may be rounding. It has the rank and the number of conflicts for the reading that the analysis did not use

@@ -44,6 +44,8 @@ pub struct EquationList<'a> {
     pub tolerance: Tolerance,
     pub equations: &'a dyn EquationLookup,
     pub dependent: Vec<DependentRow>,
+    /// Number of loads on DOFs that the equations fix.
+    pub idle_loads: usize,
     /// The system, if this process holds all of it.
     pub system: Option<&'a ConstraintSystem>,
     pub explain: &'a dyn Fn(usize) -> Option<Explanation>,
@@ -82,6 +84,7 @@ fn list<'a>(diagnosis: &'a Diagnosis, explain: &'a dyn Fn(usize) -> Option<Expla
         deck: diagnosis.deck.as_ref(),
         tolerance: diagnosis.options.tolerance,
         equations: &diagnosis.system,
+        idle_loads: diagnosis.deck.as_ref().map_or(0, |deck| deck.loads_on_fixed_dofs(&diagnosis.analysis).len()),
         dependent: diagnosis.analysis.dependent().iter().map(DependentRow::from).collect(),
         system: Some(&diagnosis.system),
         explain,

@@ -6,6 +6,7 @@ use qless::report::RepairFinding;
 use qless::{Effort, Report, Status};
 use qless_io::deck::Format;
 use qless_io::deck::clean::{Plan, Reason, Removed};
+use qless_io::without_gz;
 
 use super::super::CommandOutcome;
 use super::super::repairs::others;
@@ -147,9 +148,9 @@ fn then(list: &EquationList, report: &Report) -> Option<String> {
     let how = if matches!(deck.deck.format(), Format::LsDyna | Format::Radioss) {
         "correct what is said above by hand".to_owned()
     } else {
-        format!("run `qless clean {} -o DECK`", quoted(list.input))
+        format!("run `{}`", clean_command(list.input))
     };
-    Some(format!("Then {how}: without conflicts, {does} as before."))
+    Some(format!("Then {how}: that cures conflicts only, and {does} even without them."))
 }
 
 /// The most plausible way to cure some conflicts, and how many other ways were verified and not verified.
@@ -182,7 +183,7 @@ fn repair_lines(repair: &RepairFinding) -> Vec<String> {
 fn advice(list: &EquationList, report: &Report, obstacle: Option<&str>) -> String {
     let input = quoted(list.input);
     let clean = |what: &str| match obstacle {
-        None => format!("Next: `qless clean {input} -o DECK` writes a deck {what}."),
+        None => format!("Next: `{}` writes a deck {what}.", clean_command(list.input)),
         Some(why) => format!("Next: correct the deck by hand, because `qless clean` cannot: {why}"),
     };
     let claims = list.deck.map(DeckInput::claims);
@@ -211,8 +212,25 @@ fn advice(list: &EquationList, report: &Report, obstacle: Option<&str>) -> Strin
             format!("Next: remove {them}, or run `qless reduce {input} -o DIR`, which leaves {them} out.")
         }
         _ if is_refused => clean("that the solver takes"),
+        _ if list.idle_loads > 0 => {
+            format!("Next: nothing to mend in the constraints, but {} no effect.", loads_have(list.idle_loads))
+        }
         _ => format!("Next: nothing to mend. `qless reduce {input} -o DIR` writes the reduced form."),
     }
+}
+
+fn loads_have(number: usize) -> String {
+    format!("{} {}", count(number, "load"), if number == 1 { "has" } else { "have" })
+}
+
+/// `qless clean part.inp -o part-clean.inp`: an output with the ending of the input, which is never packed.
+fn clean_command(input: &Path) -> String {
+    let plain = without_gz(input).unwrap_or(input);
+    let output = plain.file_stem().zip(plain.extension()).map(|(stem, ending)| {
+        let name = format!("{}-clean.{}", stem.to_string_lossy(), ending.to_string_lossy());
+        quoted(&input.with_file_name(name))
+    });
+    format!("qless clean {} -o {}", quoted(input), output.as_deref().unwrap_or("DECK"))
 }
 
 /// A path, quoted for a shell if necessary.

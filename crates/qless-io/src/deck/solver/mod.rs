@@ -104,11 +104,7 @@ impl<'a> Profile<'a> {
     /// What the solver does about equations whose slaves depend on one another in a circle.
     pub fn circle(&self, equations: &[usize]) -> Outcome {
         match self.solver {
-            Solver::Ansys => {
-                // Coupled sets are joined before equations eliminate DOFs.
-                let is_set = |i: &usize| self.kind(*i) == CardKind::CoupledSet;
-                self.ansys(&equations.iter().copied().filter(|i| !is_set(i)).collect::<Vec<_>>())
-            }
+            Solver::Ansys => self.ansys(equations),
             Solver::LsDyna | Solver::Radioss => Outcome::Unsound,
             Solver::Ccx if keeps_slaves(self.model, equations) == Some(true) => Outcome::Unsound,
             _ => Outcome::Refused,
@@ -171,8 +167,11 @@ impl<'a> Profile<'a> {
         self.eliminations.get_or_init(|| Eliminations::find(self.model, self.cases, &self.left_out))
     }
 
+    /// What ANSYS does about a fault of these equations. Coupled sets are joined before equations eliminate DOFs, so only the others must
+    /// find one; two coupled sets must not share a DOF.
     fn ansys(&self, equations: &[usize]) -> Outcome {
-        self.eliminations().outcome(equations)
+        let others: Vec<usize> = equations.iter().copied().filter(|&i| self.kind(i) != CardKind::CoupledSet).collect();
+        if others.is_empty() { Outcome::Refused } else { self.eliminations().outcome(&others) }
     }
 
     /// What the solver does about the coupled set of an equation if a DOF of the set is prescribed.
