@@ -23,7 +23,7 @@ fn a_conflict_shows_its_boundary_cards_and_the_cure() {
         "(line 18)",
         "but 0 is asked (line ",
         "Next: change 4:1 in line 18 *BOUNDARY from 0.25 to 0:\n    cures row ",
-        "\nThen run `qless clean chain.inp -o chain-clean.inp`: that cures conflicts only, and ccx refuses the deck even without them.\n",
+        "\nThen run `qless clean chain.inp -o chain-clean.inp`: ccx refuses the deck even without conflicts.\n",
         "Left sides of what was dropped agree to rounding.",
     ] {
         assert!(run.out.contains(part), "`{part}` is not in:\n{}", run.out);

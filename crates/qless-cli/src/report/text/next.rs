@@ -150,7 +150,7 @@ fn then(list: &EquationList, report: &Report) -> Option<String> {
     } else {
         format!("run `{}`", clean_command(list.input))
     };
-    Some(format!("Then {how}: that cures conflicts only, and {does} even without them."))
+    Some(format!("Then {how}: {does} even without conflicts."))
 }
 
 /// The most plausible way to cure some conflicts, and how many other ways were verified and not verified.
