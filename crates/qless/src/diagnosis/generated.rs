@@ -5,8 +5,10 @@
 //!
 //! ```text
 //! C u = 0,   C y = +-|C'| |u| with random signs, C' the coefficients that may be rounded:   |E| <= e |C'| changes u_s by about e |y_s|
-//! s is fixed   iff   |u_s| <= e |y_s|   for the rounding e of coefficients, or u_s is zero to the 32 digits of the solve
+//! s is fixed   iff   |u_s| <= e |y_s|   for the rounding e of coefficients
 //! ```
+//!
+//! The solve itself has an error, of about `e |z_s|` with `C z = +-eps |C| |u_0|` for its start u_0: a DOF that rests is fixed within that.
 //!
 //! Cost: one solve for u, and one for all samples of y and the values of the fixed DOFs; none if every DOF moves.
 
@@ -44,11 +46,13 @@ pub(crate) struct Generated {
 const ROUNDED: f64 = f64::EPSILON * (1_u64 << (SUSPECT + 52)) as f64;
 /// A coefficient of at most 26 bits, half of those of a double, is exact: it is not the result of rounding.
 const SHORT: u32 = 26;
-/// A DOF that rests is fixed if it moves no more than this in sums of two doubles, beside motions of size 1: their rounding at distances
-/// from dependence that cause no doubt.
+/// The error of the solve is not less than this, beside motions of size 1: the rounding of sums of two doubles at distances from dependence
+/// that cause no doubt.
 const REST: f64 = f64::EPSILON * f64::EPSILON / NEAR;
-/// Number of samples of y. A sample is 64 times smaller than typical with a probability of about 1/64, so all are with one of 4e-6.
+/// Number of samples of y and of z each. A sample is 64 times smaller than typical with a probability of about 1/64, so all are with one of 4e-6.
 const SAMPLES: usize = 3;
+/// Number of solutions: that of the equations, and all samples.
+const LANES: usize = 1 + 2 * SAMPLES;
 /// Seeds of the signs of the samples.
 const SEEDS: [u64; SAMPLES] = [0x243f_6a88, 0x1319_8a2e, 0x0370_7344];
 
@@ -62,23 +66,26 @@ pub(crate) fn find(kept: &KeptRows, slow: &[(u32, bool)], keys: &RandomKeys) -> 
     if slow.is_empty() {
         return Default::default();
     }
-    let start = random_motions(system, kept.basis, scaling, keys).into_iter().map(|u| [u]).collect();
+    let start: Slab<1> = random_motions(system, kept.basis, scaling, keys).into_iter().map(|u| [u]).collect();
     let none = |_| [0.0];
-    let u = kept.complete(kept.solve(start, none), none);
+    let u = kept.complete(kept.solve(start.clone(), none), none);
     let rounded = |i: usize| free(system, i).filter(|&(_, v)| !is_short(v));
     let size = |i: usize| rounded(i).map(|(j, v)| (v * u[j][0]).abs()).sum();
-    let sizes: Vec<f64> = (0..system.equations()).map(size).collect();
+    let error = |i: usize| free(system, i).map(|(j, v)| f64::EPSILON * (v * start[j][0]).abs()).sum();
+    let sizes: Vec<[f64; 2]> = (0..system.equations()).map(|i| [size(i), error(i)]).collect();
     let sides = |i: usize| {
-        let [a, b, c] = SEEDS.map(|seed| sizes[i] * signed(seed, keys.row(i as u32)));
-        [system.rhs()[i], a, b, c]
+        let [[a, b, c], [d, e, f]] = sizes[i].map(|size| SEEDS.map(|seed| size * signed(seed, keys.row(i as u32))));
+        [system.rhs()[i], a, b, c, d, e, f]
     };
-    let mut start: Slab<4> = vec![[0.0; 4]; system.dofs()];
+    let mut start: Slab<LANES> = vec![[0.0; LANES]; system.dofs()];
     system.prescribed().iter().for_each(|&(j, value)| start[j][0] = value);
     let found = kept.complete(kept.solve(start, sides), sides);
-    let changes = |j: usize| found[j][1..].iter().fold(0.0, |most: f64, y| most.max(y.abs()));
+    let largest = |lanes: &[f64]| lanes.iter().fold(0.0, |most: f64, y| most.max(y.abs()));
     let is_fixed = |&(j, rests): &(u32, bool)| {
-        let (j, motion) = (j as usize, u[j as usize][0].abs());
-        motion <= ROUNDED * changes(j) || rests && motion <= ldexp(REST, scaling.col(j))
+        let (motion, found) = (u[j as usize][0].abs(), &found[j as usize]);
+        let (y, z) = found[1..].split_at(SAMPLES);
+        let error = (ROUNDED * largest(z)).max(ldexp(REST, scaling.col(j as usize)));
+        motion <= ROUNDED * largest(y) || rests && motion <= error
     };
     let mut fixed: Vec<u32> = slow.iter().filter(|one| is_fixed(one)).map(|&(j, _)| j).collect();
     fixed.sort_unstable_by_key(|&j| system.numbering.dofs[j as usize]);

@@ -72,6 +72,10 @@ pub(crate) fn find(
     let classified = |(&k, rest): (&usize, Mismatch)| {
         let d = &dependent[k];
         let found = Dependent::new(d.row, rest, d.dropped, d.source.clone(), rule);
+        // The size of the terms is an estimate, which excuses no conflict that the elimination has found.
+        if d.kind == Kind::Conflicting && found.kind != Kind::Conflicting {
+            return None;
+        }
         let is_small = found.relative_mismatch > NO_MISMATCH;
         if rest.value.is_finite() && (found.kind == Kind::Conflicting || found.is_suspect || is_small) {
             return Some((k, found));
