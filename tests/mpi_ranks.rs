@@ -56,7 +56,7 @@ fn the_text_is_that_of_one_process() {
     let of = |output: &Output| {
         let text = String::from_utf8_lossy(&output.stdout).into_owned();
         // Ranks explain by kept equations alone, without arithmetic and repairs.
-        let others = ["Time:", "Presolve", "faer", "Analysed", "      ", "Next:"];
+        let others = ["Time:", "Presolve", "faer", "Analysed", "    ", "Next:"];
         let differ = |line: &&str| !others.iter().any(|first| line.starts_with(first));
         text.lines().filter(differ).map(str::to_owned).collect::<Vec<_>>()
     };
