@@ -75,7 +75,7 @@ fn with_another_right_hand_side_it_conflicts() {
     for part in [
         "1 of 3 equations conflicts; the rest (2) are independent.",
         "row 3 = 1 * row 1 + 1 * row 2",
-        "1 (row 1) = 1, but 0 is asked (row 3)",
+        "1 (row 1), but 0 is asked (row 3)",
     ] {
         assert!(text.out.contains(part), "`{part}` is not in: {}", text.out);
     }
