@@ -93,6 +93,11 @@ fn explain_finds_lines_and_nodes_of_decks() {
         let run = place.run_words(&["explain", "-q", "chain.inp", what]);
         assert!(run.code == 0 && run.out.contains(part), "{what}: {} {}", run.out, run.err);
     }
+    // The name of a set comes before that of a card.
+    let text = std::fs::read_to_string(place.path("chain.inp")).expect("a deck");
+    place.file("set.inp", text.replace("*EQUATION\n", "*NSET,NSET=EQUATION\n2\n*EQUATION\n"));
+    let of_set = place.run_words(&["explain", "-q", "set.inp", "equation"]);
+    assert!(of_set.out.contains(" 2:1\"") && !of_set.out.contains(" 4:1\""), "{} {}", of_set.out, of_set.err);
     for (what, part) in [
         (
             "line 16",

@@ -91,11 +91,14 @@ impl<'a> NameIndex<'a> {
             // A DOF that occurs in an equation is known, even if no equation begins with it.
             Some(dof) if deck.model().column(dof).is_none() => Err(unknown()),
             Some(dof) => Ok(matching(deck.model(), case, &|other| other == dof, wanted)),
-            None if is_card(deck.model(), word) => Ok(of_cards(deck.model(), case, word, wanted)),
-            None => {
-                let nodes: HashSet<u32> = deck.node_set(word).ok_or_else(unknown)?.into_iter().collect();
-                Ok(matching(deck.model(), case, &|dof| nodes.contains(&dof.node), wanted))
-            }
+            None => match deck.node_set(word) {
+                Some(nodes) => {
+                    let nodes: HashSet<u32> = nodes.into_iter().collect();
+                    Ok(matching(deck.model(), case, &|dof| nodes.contains(&dof.node), wanted))
+                }
+                None if is_card(deck.model(), word) => Ok(of_cards(deck.model(), case, word, wanted)),
+                None => Err(unknown()),
+            },
         }
     }
 
